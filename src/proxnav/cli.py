@@ -1,0 +1,61 @@
+"""The command line: finds the command's module and hands over; nothing else is imported before that."""
+
+import sys
+from importlib import import_module
+
+COMMANDS = {
+    "demo": "the whole chain, small: render, estimate, solve, evaluate, plot",
+    "render": "a data set or a sequence, from a preset or a trajectory file",
+    "train": "a keypoint detector, from a data set or rendered on line",
+    "estimate": "images or a data set to poses.json",
+    "solve": "keypoints of your own detector to poses.json",
+    "evaluate": "poses.json against truth: the study's Table 1 and ours",
+    "target": "look at a target: keypoints, extents, preview",
+    "benchmark": "measured tables beside their references",
+    "setup": "install what proxnav cannot bring itself: blender",
+}
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs `proxnav COMMAND ...` and returns the exit status: 0 done, 1 bad input, 2 wrong usage, 130 interrupted."""
+    argv = sys.argv[1:] if argv is None else argv
+    if not argv or argv[0] in ("-h", "--help"):
+        print(_overview())
+        return 0
+    if argv[0] == "--version":
+        from proxnav import __version__
+
+        print(f"proxnav {__version__}")
+        return 0
+    if argv[0] not in COMMANDS:
+        print(f"proxnav: unknown command '{argv[0]}'; one of {', '.join(COMMANDS)}", file=sys.stderr)
+        return 2
+    return _run(argv[0], argv[1:])
+
+
+def _run(command: str, argv: list[str]) -> int:
+    from proxnav.errors import InputError
+
+    try:
+        import_module(f"proxnav.commands.{command}").main(argv)
+    except InputError as error:
+        print(f"proxnav {command}: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"proxnav {command}: interrupted; the same command resumes it", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _overview() -> str:
+    width = max(map(len, COMMANDS))
+    rows = "\n".join(f"  {name:<{width}}  {job}" for name, job in COMMANDS.items())
+    return (
+        "usage: proxnav COMMAND [options]\n\nRelative navigation of spacecraft from one camera.\n\n"
+        f"{rows}\n\n'proxnav COMMAND --help' lists a command's options. Exit status: 0 done, 1 bad input, "
+        "2 wrong usage, 130 interrupted."
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,70 @@
+"""What the detector and the pose solver say: keypoints and poses, each with its covariance and its status."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from proxnav.geometry import Pose
+from proxnav.geometry.arrays import frozen
+
+DetectionStatus = Literal["ok", "no_target", "bad_image"]
+PoseStatus = Literal["ok", "too_few_points", "no_consensus", "behind_camera", "no_target", "bad_image"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Keypoints:
+    """Keypoints of one image in the order of the target's keypoint list; a point not found is NaN with score 0."""
+
+    status: DetectionStatus
+    pixels: np.ndarray
+    """(n, 2) [px], corner origin, full image."""
+    covariances_px2: np.ndarray
+    """(n, 2, 2) [px^2]."""
+    scores: np.ndarray
+    """(n,) in [0, 1]."""
+    box_xyxy: np.ndarray
+    """(4,) box of the target [px]; NaN when there is none."""
+
+    def __post_init__(self) -> None:
+        n = len(self.pixels)
+        object.__setattr__(self, "pixels", frozen(self.pixels, (n, 2), "pixels"))
+        object.__setattr__(self, "covariances_px2", frozen(self.covariances_px2, (n, 2, 2), "covariances_px2"))
+        object.__setattr__(self, "scores", frozen(self.scores, (n,), "scores"))
+        object.__setattr__(self, "box_xyxy", frozen(self.box_xyxy, (4,), "box_xyxy"))
+
+    @staticmethod
+    def none(status: DetectionStatus, n_keypoints: int) -> "Keypoints":
+        """No keypoints, and why."""
+        nan = np.nan
+        return Keypoints(
+            status,
+            np.full((n_keypoints, 2), nan),
+            np.full((n_keypoints, 2, 2), nan),
+            np.zeros(n_keypoints),
+            np.full(4, nan),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseResult:
+    """A pose with its covariance, or the reason why there is none."""
+
+    status: PoseStatus
+    T_cam_target: Pose | None
+    covariance: np.ndarray | None
+    """(6, 6), translation [m] first, then rotation [rad], in the camera frame: t_true = t + dt, R_true = exp(dr) R."""
+    inliers: np.ndarray
+    """(n,) bool, which of the given points the pose rests on."""
+    reprojection_rms_px: float = float("nan")
+    """Root mean square reprojection error over the inliers [px]."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inliers", frozen(self.inliers, (None,), "inliers", bool))
+        if self.covariance is not None:
+            object.__setattr__(self, "covariance", frozen(self.covariance, (6, 6), "covariance"))
+
+    @staticmethod
+    def failure(status: PoseStatus, n_points: int) -> "PoseResult":
+        """No pose, and why."""
+        return PoseResult(status, None, None, np.zeros(n_points, dtype=bool))

@@ -1,0 +1,61 @@
+"""Who is where, when: the states of target and chaser, their attitudes and the Sun, in one inertial frame."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from proxnav.errors import InputError
+from proxnav.geometry import Pose, quaternion
+from proxnav.geometry.arrays import frozen
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """States at n instants in ECI (J2000/ICRF axes, Earth's centre); `target` is the body frame of the target model."""
+
+    epoch_utc: str
+    """ISO 8601 UTC instant of t = 0, for example 2024-11-01T00:00:00Z."""
+    t: np.ndarray
+    """(n,) seconds since the epoch, strictly increasing."""
+    r_eci_target_m: np.ndarray
+    """(n, 3) position of the target frame's origin."""
+    v_eci_target_mps: np.ndarray
+    """(n, 3) inertial velocity of the target."""
+    q_eci_target: np.ndarray
+    """(n, 4) attitude of the target, wxyz."""
+    r_eci_chaser_m: np.ndarray
+    """(n, 3) position of the camera's projection centre."""
+    v_eci_chaser_mps: np.ndarray
+    """(n, 3) inertial velocity of the chaser."""
+    q_eci_cam: np.ndarray
+    """(n, 4) attitude of the camera (x right, y down, z forward), wxyz."""
+    sun_eci: np.ndarray
+    """(n, 3) unit vectors from Earth to the Sun."""
+    sun_visible: np.ndarray
+    """(n,) fraction of the Sun's disc that the target sees: 1 in sunlight, 0 in umbra."""
+    source: str = "generated"
+    """Where it came from: a generator's name or the file names."""
+
+    def __post_init__(self) -> None:
+        n = len(self.t)
+        widths = {"t": None, "sun_visible": None, "q_eci_target": 4, "q_eci_cam": 4}
+        for name in self.__slots__[1:-1]:
+            width = widths.get(name, 3)
+            shape = (n,) if width is None else (n, width)
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        if n == 0 or not np.isfinite(self.t).all() or (np.diff(self.t) <= 0).any():
+            raise InputError(f"a trajectory needs at least one finite, strictly increasing time; source {self.source}")
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def range_m(self) -> np.ndarray:
+        """(n,) distance from camera to target [m]."""
+        return np.linalg.norm(self.r_eci_target_m - self.r_eci_chaser_m, axis=1)
+
+    def T_cam_target(self, index: int) -> Pose:
+        """Pose of the target in the camera frame at instant `index`."""
+        q_cam_eci = quaternion.conjugate(self.q_eci_cam[index])
+        t_m = quaternion.rotate(q_cam_eci, self.r_eci_target_m[index] - self.r_eci_chaser_m[index])
+        return Pose.from_wxyz("cam", "target", quaternion.multiply(q_cam_eci, self.q_eci_target[index]), t_m)

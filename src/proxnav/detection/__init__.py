@@ -1,0 +1,1 @@
+"""Keypoints with covariances from an image."""

@@ -1,0 +1,22 @@
+"""Arrays as values: copied, typed and read-only, so that a frozen dataclass is frozen all the way down."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from proxnav.errors import InputError
+
+
+def frozen(values: ArrayLike, shape: tuple[int | None, ...], name: str, dtype: type = np.float64) -> np.ndarray:
+    """A read-only copy of `values`; `None` in `shape` accepts any length. Raises InputError on another shape."""
+    array = np.array(values, dtype=dtype)
+    fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
+    if not fits:
+        wanted = tuple("n" if want is None else want for want in shape)
+        raise InputError(f"{name} needs shape {wanted}, found {array.shape}")
+    array.setflags(write=False)
+    return array
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., n) scaled to length one."""
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)

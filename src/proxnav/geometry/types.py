@@ -1,0 +1,18 @@
+"""Names for the array shapes that travel through the package; the meaning is in the name, the check in the tests."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+Vector3 = Float[np.ndarray, "*batch 3"]
+"""Vectors or points; the frame is in the variable's name."""
+
+QuatWxyz = Float[np.ndarray, "*batch wxyz=4"]
+"""Hamilton quaternions, scalar first, unit, active: v_a = R(q_a_b) v_b."""
+
+Rotation3x3 = Float[np.ndarray, "*batch 3 3"]
+Pixels = Float[np.ndarray, "*batch 2"]
+"""Image points [px], corner origin: the first pixel's centre is (0.5, 0.5)."""
+
+Points = Float[np.ndarray, "n_keypoints 3"]
+Covariances2 = Float[np.ndarray, "n_keypoints 2 2"]
+Flags = Bool[np.ndarray, "n_keypoints"]

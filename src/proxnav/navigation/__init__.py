@@ -1,0 +1,1 @@
+"""Camera, GNSS and IMU fused in one filter."""

@@ -1,0 +1,1 @@
+"""Blender's path tracer, in an interpreter of its own."""

@@ -1,0 +1,1 @@
+"""Embree and numba: the fast renderer for training data and closed loops."""

@@ -1,0 +1,1 @@
+"""Who is where: generators and file readers that give a Trajectory."""

@@ -1,0 +1,1 @@
+"""Plots, report and replay."""
