@@ -1,0 +1,60 @@
+"""Files that are either whole or absent, and JSON that is refused in one sentence."""
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from proxnav.errors import InputError
+
+
+def write_atomic(path: Path, content: bytes) -> None:
+    """Writes `content` to `path` so that a reader sees all of it or none: temporary file beside it, then rename."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def write_json(path: Path, content: Any, indent: int | None = None) -> None:
+    """JSON, atomically; NaN is written as null because strict readers refuse it."""
+    text = json.dumps(finite(content), indent=indent, allow_nan=False)
+    write_atomic(path, (text + "\n").encode())
+
+
+def finite(content: Any) -> Any:
+    """The same content with every float that JSON cannot hold as None."""
+    if isinstance(content, dict):
+        return {key: finite(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [finite(value) for value in content]
+    if (isinstance(content, float) and content != content) or content in (float("inf"), float("-inf")):
+        return None
+    return content
+
+
+def read_json(path: Path, what: str) -> Any:
+    """Content of a JSON file; InputError names the file and says what it should have been."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; expected {what}") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder; expected {what}") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not readable as JSON ({error}); expected {what}") from None
+
+
+def inside(folder: Path, name: str) -> Path:
+    """`folder/name`, refused with InputError when the name climbs out of the folder."""
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise InputError(f"file name {name!r} leads out of {folder}; refused")
+    return path
