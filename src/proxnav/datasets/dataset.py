@@ -1,0 +1,108 @@
+"""A data set on disk: images and masks, COCO annotations, camera, target and the scenes that any frame can be redrawn from.
+
+annotations.json   COCO keypoints with poses        camera.json    SPEED+ camera
+images/*.png       what the sensor read             target.json    keypoints of the target
+masks/*.png        255 where the target is          scenes.jsonl   one SceneSpec a line
+"""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from proxnav.datasets import coco
+from proxnav.datasets.files import inside, read_json
+from proxnav.datasets.records import FrameLabel, SceneSpec
+from proxnav.errors import InputError
+from proxnav.geometry import Camera
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """A finished data set folder; images and masks are read when asked for."""
+
+    folder: Path
+
+    def __post_init__(self) -> None:
+        if not (self.folder / "annotations.json").is_file():
+            raise InputError(f"{self.folder}: no annotations.json; not a finished data set (run the same render again)")
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+    @cached_property
+    def camera(self) -> Camera:
+        """The camera of every image."""
+        return Camera.from_speed_json(str(self.folder / "camera.json"))
+
+    @cached_property
+    def _annotations(self) -> tuple[tuple[str, ...], list[FrameLabel]]:
+        path = self.folder / "annotations.json"
+        return coco.parse(read_json(path, "COCO keypoint annotations"), str(path))
+
+    @property
+    def keypoint_names(self) -> tuple[str, ...]:
+        """Names in label order."""
+        return self._annotations[0]
+
+    @property
+    def labels(self) -> list[FrameLabel]:
+        """Truth of every image, in file order."""
+        return self._annotations[1]
+
+    @cached_property
+    def keypoints_m(self) -> np.ndarray:
+        """(n, 3) keypoints in the target frame [m]."""
+        content = read_json(self.folder / "target.json", "the target's keypoints")
+        return np.array(content["keypoints_m"], dtype=np.float64)
+
+    @property
+    def target_name(self) -> str:
+        """Name of the target that the set shows."""
+        return str(read_json(self.folder / "target.json", "the target's keypoints")["name"])
+
+    def scenes(self) -> Iterator[SceneSpec]:
+        """The scenes of `scenes.jsonl`."""
+        path = self.folder / "scenes.jsonl"
+        with path.open(encoding="utf-8") as lines:
+            for number, line in enumerate(lines, 1):
+                try:
+                    yield SceneSpec.from_json(json.loads(line))
+                except ValueError as error:
+                    raise InputError(f"{path}, line {number}: {error}") from None
+
+    def image(self, index: int) -> np.ndarray:
+        """Image `index` as stored: uint8 or uint16, grey (h, w) or colour (h, w, 3) in RGB order."""
+        return read_image(inside(self.folder / "images", self.labels[index].filename))
+
+    def mask(self, index: int) -> np.ndarray:
+        """(h, w) bool, where the target is."""
+        return read_image(inside(self.folder / "masks", self.labels[index].filename)) > 127
+
+
+def read_image(path: Path) -> np.ndarray:
+    """An image file as uint8 or uint16, grey or RGB; InputError when it cannot be decoded."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such image")
+    try:
+        image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        image = None
+    if image is None:
+        raise InputError(f"{path}: not a readable image; it is damaged or of a format that OpenCV does not know")
+    if image.ndim == 3:
+        image = np.ascontiguousarray(image[..., 2::-1])
+    return image
+
+
+def encode_png(image: np.ndarray) -> bytes:
+    """PNG bytes of a grey or RGB uint8/uint16 image; the same array gives the same bytes."""
+    pixels = image[..., ::-1] if image.ndim == 3 else image
+    ok, encoded = cv2.imencode(".png", np.ascontiguousarray(pixels), [cv2.IMWRITE_PNG_COMPRESSION, 3])
+    if not ok:
+        raise InputError(f"cannot write an array of {image.dtype} and shape {image.shape} as PNG")
+    return encoded.tobytes()

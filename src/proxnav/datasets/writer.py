@@ -1,0 +1,89 @@
+"""Writing a data set so that it can be killed at any moment and resumed: a frame is done when its record is there.
+
+While unfinished, the folder holds `.frames/<name>.json`, one annotation per frame, written last of the frame's files.
+`finish` gathers them into `annotations.json` and removes the folder, so that an interrupted and resumed set ends with the
+same files as an uninterrupted one.
+"""
+
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from proxnav.datasets import coco
+from proxnav.datasets.dataset import encode_png
+from proxnav.datasets.files import read_json, write_atomic, write_json
+from proxnav.datasets.records import FrameLabel, SceneSpec
+from proxnav.errors import InputError
+from proxnav.geometry.camera_files import speed_json
+from proxnav.targets import Target
+
+_PENDING = ".frames"
+
+
+@dataclass(frozen=True)
+class DatasetWriter:
+    """Writes frames of one data set; safe to use from several processes, each with its own frames."""
+
+    folder: Path
+
+    def begin(self, scenes: Sequence[SceneSpec], target: Target) -> list[SceneSpec]:
+        """Writes what all frames share and returns the scenes that are still to be rendered.
+
+        InputError when the folder already holds a data set of other scenes.
+        """
+        lines = "".join(json.dumps(scene.to_json(), allow_nan=False) + "\n" for scene in scenes).encode()
+        path = self.folder / "scenes.jsonl"
+        if path.exists() and path.read_bytes() != lines:
+            raise InputError(
+                f"{self.folder} holds another data set; give the same options to resume it or another --out"
+            )
+        if not path.exists() and self.folder.is_dir() and any(self.folder.iterdir()):
+            raise InputError(f"{self.folder} is not empty and holds no data set; give another --out")
+        if (self.folder / "annotations.json").exists():
+            return []
+        for part in ("images", "masks", _PENDING):
+            (self.folder / part).mkdir(parents=True, exist_ok=True)
+        self._sweep()
+        write_json(self.folder / "camera.json", speed_json(scenes[0].camera), indent=1)
+        write_json(self.folder / "target.json", _keypoints(target), indent=1)
+        write_atomic(path, lines)
+        return [scene for scene in scenes if not self._record(scene).exists()]
+
+    def add(self, scene: SceneSpec, image: np.ndarray, mask: np.ndarray, label: FrameLabel) -> None:
+        """One frame: image, mask, then its record."""
+        write_atomic(self.folder / "images" / scene.filename, encode_png(image))
+        write_atomic(self.folder / "masks" / scene.filename, encode_png(mask.astype(np.uint8) * 255))
+        write_json(self._record(scene), coco.annotation(label, scene.index, mask))
+
+    def finish(self, scenes: Sequence[SceneSpec], target: Target) -> Path:
+        """Gathers the records of all frames into `annotations.json`; returns the folder."""
+        path = self.folder / "annotations.json"
+        if not path.exists():
+            entries = [read_json(self._record(scene), "the record of a rendered frame") for scene in scenes]
+            names = [scene.filename for scene in scenes]
+            write_json(path, coco.document(entries, names, scenes[0].camera, target.keypoint_names))
+        shutil.rmtree(self.folder / _PENDING, ignore_errors=True)
+        return self.folder
+
+    def _record(self, scene: SceneSpec) -> Path:
+        return self.folder / _PENDING / f"{Path(scene.filename).stem}.json"
+
+    def _sweep(self) -> None:
+        """Removes what a killed writer left half-written."""
+        for part in (".", "images", "masks", _PENDING):
+            for stray in (self.folder / part).glob(".*.part"):
+                stray.unlink(missing_ok=True)
+
+
+def _keypoints(target: Target) -> dict[str, object]:
+    return {
+        "name": target.name,
+        "keypoint_names": list(target.keypoint_names),
+        "keypoints_m": target.keypoints_m.tolist(),
+        "subsets": {name: list(index) for name, index in target.subsets.items()},
+        "licence": target.licence,
+    }
