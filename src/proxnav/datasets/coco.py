@@ -85,5 +85,5 @@ def _label(entry: Any, filename: str, n_keypoints: int, where: str) -> FrameLabe
 
 
 def _run_lengths(mask: np.ndarray) -> dict[str, Any]:
-    encoded = coco_mask.encode(np.asfortranarray(mask, dtype=np.uint8))
+    encoded: Any = coco_mask.encode(np.asfortranarray(mask, dtype=np.uint8))
     return {"size": [int(n) for n in encoded["size"]], "counts": encoded["counts"].decode("ascii")}

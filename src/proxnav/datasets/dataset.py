@@ -1,4 +1,4 @@
-"""A data set on disk: images and masks, COCO annotations, camera, target and the scenes that any frame can be redrawn from.
+"""A data set on disk: images, masks, annotations, camera, target, and the scenes that any frame can be redrawn from.
 
 annotations.json   COCO keypoints with poses        camera.json    SPEED+ camera
 images/*.png       what the sensor read             target.json    keypoints of the target

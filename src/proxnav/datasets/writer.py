@@ -1,8 +1,8 @@
 """Writing a data set so that it can be killed at any moment and resumed: a frame is done when its record is there.
 
 While unfinished, the folder holds `.frames/<name>.json`, one annotation per frame, written last of the frame's files.
-`finish` gathers them into `annotations.json` and removes the folder, so that an interrupted and resumed set ends with the
-same files as an uninterrupted one.
+`finish` gathers them into `annotations.json` and removes the folder, so that an interrupted and resumed set ends with
+the same files as an uninterrupted one.
 """
 
 import json
@@ -39,7 +39,7 @@ class DatasetWriter:
         path = self.folder / "scenes.jsonl"
         if path.exists() and path.read_bytes() != lines:
             raise InputError(
-                f"{self.folder} holds another data set; give the same options to resume it or another --out"
+                f"{self.folder} holds another data set; resume it with its own options or give another --out"
             )
         if not path.exists() and self.folder.is_dir() and any(self.folder.iterdir()):
             raise InputError(f"{self.folder} is not empty and holds no data set; give another --out")

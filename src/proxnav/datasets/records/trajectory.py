@@ -1,6 +1,6 @@
 """Who is where, when: the states of target and chaser, their attitudes and the Sun, in one inertial frame."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Trajectory:
     def __post_init__(self) -> None:
         n = len(self.t)
         widths = {"t": None, "sun_visible": None, "q_eci_target": 4, "q_eci_cam": 4}
-        for name in self.__slots__[1:-1]:
+        for name in [f.name for f in fields(self)][1:-1]:
             width = widths.get(name, 3)
             shape = (n,) if width is None else (n, width)
             object.__setattr__(self, name, frozen(getattr(self, name), shape, name))

@@ -1,0 +1,69 @@
+"""Jobs over the cores of this machine: each process builds its tool once, a process that dies is replaced."""
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+_RESTARTS = 5
+_AHEAD = 2
+"""Items queued per worker: enough to keep it busy, few enough to stop soon."""
+
+
+def run_jobs(
+    make_job: Callable[[], Callable[[Item], Result]], items: Sequence[Item], workers: int = 1
+) -> Iterator[tuple[Item, Result]]:
+    """(item, result) as they finish. `make_job` builds the job once per process; both it and the items are pickled.
+
+    With one worker everything runs in this process. A worker that dies (out of memory, killed) is replaced and its
+    items run again, at most `_RESTARTS` times; an exception in a job ends the run with that exception.
+    """
+    if workers <= 1:
+        job = make_job()
+        for item in items:
+            yield item, job(item)
+        return
+    waiting, restarts = list(reversed(items)), 0
+    while waiting:
+        running: dict[Future[Result], Item] = {}
+        try:
+            yield from _drain(make_job, waiting, running, workers)
+        except BrokenProcessPool:
+            restarts += 1
+            if restarts > _RESTARTS:
+                raise
+            waiting.extend(running.values())
+
+
+def _drain(
+    make_job: Callable[[], Callable[[Any], Any]], waiting: list[Any], running: dict[Future[Any], Any], workers: int
+) -> Iterator[tuple[Any, Any]]:
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, initializer=_build, initargs=(make_job,))
+    try:
+        while waiting or running:
+            while waiting and len(running) < _AHEAD * workers:
+                item = waiting.pop()
+                running[pool.submit(_call, item)] = item
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                result = future.result()
+                yield running.pop(future), result
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+_job: Callable[[Any], Any] | None = None  # one per worker process, set by its initialiser
+
+
+def _build(make_job: Callable[[], Callable[[Any], Any]]) -> None:
+    global _job
+    _job = make_job()
+
+
+def _call(item: Any) -> Any:
+    assert _job is not None
+    return _job(item)
