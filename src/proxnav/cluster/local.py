@@ -47,8 +47,8 @@ def _drain(
     try:
         while waiting or running:
             while waiting and len(running) < _AHEAD * workers:
-                item = waiting.pop()
-                running[pool.submit(_call, item)] = item
+                running[pool.submit(_call, waiting[-1])] = waiting[-1]
+                waiting.pop()
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 result = future.result()
                 yield running.pop(future), result
