@@ -61,7 +61,7 @@ def log(q: QuatWxyz) -> Vector3:
     return u * np.where(small, 2.0, angle / np.where(small, 1.0, sine))
 
 
-def angle_between(p: QuatWxyz, q: QuatWxyz) -> Float[np.ndarray, "*batch"]:
+def angle_between(p: QuatWxyz, q: QuatWxyz) -> Float[np.ndarray, "*#batch"] | float:
     """Angle [rad] in [0, pi] of the rotation from p to q, exact for small angles where 2 arccos|p.q| is not."""
     return np.linalg.norm(log(multiply(conjugate(p), q)), axis=-1)
 
@@ -83,7 +83,7 @@ def random(rng: np.random.Generator, count: int) -> Float[np.ndarray, "count wxy
     return normalize(rng.normal(size=(count, 4)))
 
 
-def slerp(q0: QuatWxyz, q1: QuatWxyz, fraction: Float[np.ndarray, "*batch"]) -> QuatWxyz:
+def slerp(q0: QuatWxyz, q1: QuatWxyz, fraction: Float[np.ndarray, "*#batch"] | float) -> QuatWxyz:
     """The shorter great arc from q0 (fraction 0) to q1 (fraction 1)."""
     step = log(multiply(conjugate(q0), q1))
-    return multiply(q0, exp(fraction[..., None] * step))
+    return multiply(q0, exp(np.asarray(fraction)[..., None] * step))

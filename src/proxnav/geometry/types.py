@@ -1,16 +1,19 @@
-"""Names for the array shapes that travel through the package; the meaning is in the name, the check in the tests."""
+"""Names for the array shapes that travel through the package; the meaning is in the name, the check in the tests.
+
+Leading axes named `*#batch` broadcast against each other as NumPy does: one quaternion may turn many vectors.
+"""
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-Vector3 = Float[np.ndarray, "*batch 3"]
+Vector3 = Float[np.ndarray, "*#batch 3"]
 """Vectors or points; the frame is in the variable's name."""
 
-QuatWxyz = Float[np.ndarray, "*batch wxyz=4"]
+QuatWxyz = Float[np.ndarray, "*#batch wxyz=4"]
 """Hamilton quaternions, scalar first, unit, active: v_a = R(q_a_b) v_b."""
 
-Rotation3x3 = Float[np.ndarray, "*batch 3 3"]
-Pixels = Float[np.ndarray, "*batch 2"]
+Rotation3x3 = Float[np.ndarray, "*#batch 3 3"]
+Pixels = Float[np.ndarray, "*#batch 2"]
 """Image points [px], corner origin: the first pixel's centre is (0.5, 0.5)."""
 
 Points = Float[np.ndarray, "n_keypoints 3"]
