@@ -1,7 +1,7 @@
 """The crop network: a ResNet trunk, a top-down path to stride 4, one map of scores per keypoint.
 
-Scores are classified over positions, not regressed to a mean: a nearly symmetric target gives two modes, and an average of
-two modes is a point on neither (T.-Y. Lin et al., "Feature Pyramid Networks", CVPR 2017, for the top-down path).
+Scores are classified over positions, not regressed to a mean: a nearly symmetric target gives two modes, and an average
+of two modes is a point on neither. The top-down path follows T.-Y. Lin et al., "Feature Pyramid Networks", CVPR 2017.
 """
 
 from dataclasses import dataclass
