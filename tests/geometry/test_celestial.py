@@ -54,7 +54,7 @@ def test_precession_moves_the_equinox_by_fifty_arcseconds_a_year():
 def test_earth_turns_once_in_a_stellar_day():
     day = np.array([0.0, 86164.0989])  # stellar day: against the stars, not the equinox
     q = celestial.q_eci_ecef("2024-11-01T00:00:00Z", day)
-    assert quaternion.angle_between(q[0], q[1]) < 2e-7
+    assert quaternion.angle_between(q[0], q[1]) < 4e-7  # rad; the pole itself moves by 2.7e-7 a day
     hour = celestial.q_eci_ecef("2024-11-01T00:00:00Z", np.array([0.0, 3600.0]))
     rate = quaternion.log(quaternion.multiply(hour[1], quaternion.conjugate(hour[0]))) / 3600.0
     assert np.abs(rate - [0.0, 0.0, celestial.EARTH_RATE]).max() < 3e-7  # eastward, about the pole of date

@@ -95,7 +95,7 @@ class Camera:
 
     def contains(self, pixels: Pixels) -> np.ndarray:
         """Whether pixels (..., 2) lie in the image; False for NaN."""
-        return ((pixels >= 0.0) & (pixels <= (self.width, self.height))).all(axis=-1)
+        return np.asarray(((pixels >= 0.0) & (pixels <= (self.width, self.height))).all(axis=-1))
 
     def cropped(self, x: float, y: float, width: int, height: int) -> "Camera":
         """The camera of the window whose upper left corner is (x, y) [px]."""
