@@ -1,12 +1,12 @@
 """Arrays as values: copied, typed and read-only, so that a frozen dataclass is frozen all the way down."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from proxnav.errors import InputError
+from proxnav.geometry.types import Numbers
 
 
-def frozen(values: ArrayLike, shape: tuple[int | None, ...], name: str, dtype: type = np.float64) -> np.ndarray:
+def frozen(values: Numbers, shape: tuple[int | None, ...], name: str, dtype: type = np.float64) -> np.ndarray:
     """A read-only copy of `values`; `None` in `shape` accepts any length. Raises InputError on another shape."""
     array = np.array(values, dtype=dtype)
     fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))

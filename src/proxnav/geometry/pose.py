@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.arrays import frozen
-from proxnav.geometry.types import Vector3
+from proxnav.geometry.types import Numbers, Vector3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,12 +43,12 @@ class Pose:
         object.__setattr__(self, "t_m", t_m)
 
     @staticmethod
-    def from_wxyz(a: str, b: str, q_wxyz: ArrayLike, t_m: ArrayLike) -> "Pose":
+    def from_wxyz(a: str, b: str, q_wxyz: Numbers, t_m: Numbers) -> "Pose":
         """T_a_b from the quaternion q_a_b (scalar first) and the position of b's origin in a [m]."""
         return Pose(a, b, np.asarray(q_wxyz, dtype=np.float64), np.asarray(t_m, dtype=np.float64))
 
     @staticmethod
-    def from_matrix(a: str, b: str, R: ArrayLike, t_m: ArrayLike) -> "Pose":
+    def from_matrix(a: str, b: str, R: Numbers, t_m: Numbers) -> "Pose":
         """T_a_b from R_a_b (3x3, a rotation to 1e-6) and r_a_b [m]."""
         R = np.asarray(R, dtype=np.float64)
         proper = R.shape == (3, 3) and np.allclose(R @ R.T, np.eye(3), atol=1e-6) and np.linalg.det(R) > 0

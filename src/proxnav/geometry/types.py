@@ -3,6 +3,9 @@
 Leading axes named `*#batch` broadcast against each other as NumPy does: one quaternion may turn many vectors.
 """
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -19,3 +22,6 @@ Pixels = Float[np.ndarray, "*#batch 2"]
 Points = Float[np.ndarray, "n_keypoints 3"]
 Covariances2 = Float[np.ndarray, "n_keypoints 2 2"]
 Flags = Bool[np.ndarray, "n_keypoints"]
+
+Numbers = np.ndarray | Sequence[Any]
+"""An array or nested lists of numbers, as a user may type them; converted on entry."""
