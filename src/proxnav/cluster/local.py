@@ -1,6 +1,7 @@
 """Jobs over the cores of this machine: each process builds its tool once, a process that dies is replaced."""
 
 import multiprocessing
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -37,6 +38,24 @@ def run_jobs(
             if restarts > _RESTARTS:
                 raise
             waiting.extend(running.values())
+
+
+def in_order(
+    make_job: Callable[[], Callable[[Item], Result]], items: Iterator[Item], workers: int, ahead: int = 64
+) -> Iterator[Result]:
+    """Results in the order of an endless stream of items, up to `ahead` of them computed before they are asked for."""
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, initializer=_build, initargs=(make_job,))
+    pending: deque[Future[Result]] = deque()
+    try:
+        for item in items:
+            pending.append(pool.submit(_call, item))
+            if len(pending) > ahead:
+                yield pending.popleft().result()
+        while pending:
+            yield pending.popleft().result()
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _drain(

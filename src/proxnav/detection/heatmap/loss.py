@@ -29,7 +29,7 @@ class LossConfig:
 def keypoint_loss(
     maps: Maps, keypoints_cells: Tensor, visibility: Tensor, mask: Tensor, config: LossConfig
 ) -> dict[str, Tensor]:
-    """Terms of the loss, `total` among them.
+    """Weighted terms, whose sum is the loss.
 
     `keypoints_cells` (b, n, 2) in cells, corner origin; `visibility` (b, n) as COCO; `mask` (b, h, w) in [0, 1]. Points
     outside the maps carry no weight: the crop cannot say where they are.
@@ -43,8 +43,7 @@ def keypoint_loss(
     position = _mean(-(wanted * log_p).sum(dim=-1), weight)
     spread = _mean(_spread_nll(maps, keypoints_cells), weight)
     shown = torch.nn.functional.binary_cross_entropy_with_logits(maps.mask.float()[:, 0], mask)
-    total = position + config.spread_weight * spread + config.mask_weight * shown
-    return {"total": total, "position": position, "spread": spread, "mask": shown}
+    return {"position": position, "spread": config.spread_weight * spread, "mask": config.mask_weight * shown}
 
 
 def _gaussian(points: Tensor, height: int, width: int, sigma: float) -> Tensor:

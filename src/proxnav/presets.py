@@ -1,0 +1,70 @@
+"""Named scenarios as Python objects; a command takes one by name and overrides single fields."""
+
+import math
+from dataclasses import dataclass, field
+
+from proxnav.errors import InputError
+from proxnav.geometry import Camera
+from proxnav.scenes.random_scene import RandomSceneConfig
+from proxnav.scenes.random_sun import SunConfig
+from proxnav.scenes.random_view import ViewConfig
+from proxnav.sensor.presets import SPEED_CLASS
+
+NAVIGATION_CAMERA = Camera(width=1024, height=1024, fx=1407.0, fy=1407.0, cx=512.0, cy=512.0)
+"""40 deg on 1024 px."""
+PAYLOAD_CAMERA = Camera(width=2048, height=2048, fx=20_000.0, fy=20_000.0, cx=1024.0, cy=1024.0)
+"""5.9 deg on 2048 px: 1 cm per pixel at 200 m."""
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A target, a camera and the scenes that it sees."""
+
+    name: str
+    target: str = "space-rider"
+    camera: Camera = NAVIGATION_CAMERA
+    scenes: RandomSceneConfig = field(default_factory=RandomSceneConfig)
+    """Frames drawn one by one; a trajectory file or generator takes their place where one is named."""
+    frames: int = 100
+    trajectory: str = ""
+    """Name of a trajectory generator; empty for random scenes."""
+
+
+OBSERVATION = RandomSceneConfig(
+    view=ViewConfig(range_m=(10.0, 100.0), roll_limit_rad=math.radians(30.0), partial_share=0.05),
+    sun=SunConfig(max_phase_rad=math.radians(90.0)),
+    earth_share=0.5,
+    texture_strength=(0.0, 0.3),
+    sensor=SPEED_CLASS,
+)
+"""Lit target, camera up within 30 deg of the local vertical, Earth in half of the frames, full sensor noise."""
+
+STUDY = RandomSceneConfig(
+    view=ViewConfig(range_m=(10.0, 100.0), roll_limit_rad=math.radians(30.0)),
+    sun=SunConfig(max_phase_rad=math.radians(90.0)),
+    earth_share=0.5,
+    texture_strength=(0.0, 1.0),
+    sensor=SPEED_CLASS,
+)
+"""The same views with the textures of the target randomised, as the seed study trained."""
+
+PRESETS = {
+    preset.name: preset
+    for preset in (
+        Preset("observation-10-100m", scenes=OBSERVATION),
+        Preset("study", scenes=STUDY, frames=5000),
+        Preset("spiral-10-100m", scenes=OBSERVATION, trajectory="observation-10-100m", frames=200),
+        Preset(
+            "sroc-200-350m",
+            camera=PAYLOAD_CAMERA,
+            scenes=RandomSceneConfig(view=ViewConfig(range_m=(200.0, 350.0)), sensor=SPEED_CLASS),
+        ),
+    )
+}
+
+
+def preset(name: str) -> Preset:
+    """The preset of that name; InputError lists the others."""
+    if name not in PRESETS:
+        raise InputError(f"no preset '{name}'; one of {', '.join(PRESETS)}")
+    return PRESETS[name]
