@@ -1,1 +1,5 @@
 """Pose with covariance from keypoints."""
+
+from proxnav.pose.config import PoseConfig
+
+__all__ = ["PoseConfig"]
