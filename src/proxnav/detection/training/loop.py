@@ -1,0 +1,227 @@
+"""The training loop of every detector: draw a batch, step, average, write down, save; resume where it stopped."""
+
+import logging
+import math
+import time
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import torch
+from lightning_fabric import Fabric
+from safetensors.torch import load_file
+from torch import Tensor, nn
+
+from proxnav.detection.samples import SampleSource
+from proxnav.detection.training.average import averaged_copy, update_average
+from proxnav.detection.training.config import Learner, LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.curve import append_row, cut_after
+from proxnav.detection.training.feed import ahead, batches
+from proxnav.detection.training.files import load_checkpoint, save_checkpoint, save_weights
+from proxnav.detection.training.interrupt import stop_requested
+from proxnav.detection.training.precision import best_precision
+from proxnav.detection.training.progress import Meter, Show, progress_bar
+from proxnav.detection.training.random_state import random_state, restore_random_state
+from proxnav.detection.training.step import take_step
+from proxnav.errors import InputError
+
+_log = logging.getLogger(__name__)
+
+CHECKPOINT, BEST, WEIGHTS, CURVE = "checkpoint.pt", "best.safetensors", "weights.safetensors", "curve.csv"
+VERSION = 1
+
+
+@dataclass
+class _Progress:
+    """Where a run stands: all of a checkpoint that is not weights or generators."""
+
+    step: int = 0
+    skipped: int = 0
+    skipped_in_a_row: int = 0
+    best_score: float = math.inf
+    stale: int = 0
+    """Validations since the best one."""
+
+
+@dataclass(frozen=True)
+class _Run:
+    learner: Learner
+    average: nn.Module
+    config: LoopConfig
+    out: Path
+    validate: Validate | None
+    fabric: Fabric
+    model: nn.Module
+    optimizer: Any
+    at: _Progress
+    meter: Meter
+    deadline: float
+
+
+def train(
+    learner: Learner, source: SampleSource, config: LoopConfig, out: Path, validate: Validate | None = None
+) -> TrainingResult:
+    """Trains into the folder `out`, from its checkpoint where it has one; Ctrl-C saves, then raises KeyboardInterrupt.
+
+    Interrupted anywhere and resumed, a deterministic run on one CPU gives the weights of a run that was not.
+    """
+    run = _start(learner, config, out, validate)
+    feed = batches(
+        source, learner.collate, config.batch_size, config.accumulate, config.seed,
+        step=run.at.step, rank=run.fabric.global_rank, world=run.fabric.world_size,
+    )  # fmt: skip
+    with closing(ahead(feed)) as ready, stop_requested() as stop, progress_bar(config.steps, run.at.step) as show:
+        while (reason := _ended(run)) is None:
+            with run.meter.waiting():
+                parts: Any = run.fabric.to_device(next(ready))
+            _advance(run, parts, show)
+            if stop():
+                _save(run)
+                raise KeyboardInterrupt
+            if run.at.step % config.save_every == 0:
+                _save(run)
+    _save(run)
+    return _result(run, reason)
+
+
+def _start(learner: Learner, config: LoopConfig, out: Path, validate: Validate | None) -> _Run:
+    """Everything on its device and at the step of the checkpoint, if there is one."""
+    torch.use_deterministic_algorithms(config.deterministic)
+    precision = best_precision(config.precision)
+    fabric = Fabric(accelerator=config.accelerator, devices=config.devices, precision=precision)
+    fabric.launch()
+    torch.manual_seed(config.seed + fabric.global_rank)
+    model, optimizer = fabric.setup(learner.model.train(), learner.optimizer)
+    out.mkdir(parents=True, exist_ok=True)
+    deadline = time.monotonic() + 60.0 * config.minutes if config.minutes else math.inf
+    meter = Meter(config.batch_size * config.accumulate * fabric.world_size)
+    average = averaged_copy(learner.model)
+    run = _Run(learner, average, config, out, validate, fabric, model, optimizer, _Progress(), meter, deadline)
+    if (out / CHECKPOINT).exists():
+        _resume(run, load_checkpoint(out / CHECKPOINT))
+    if fabric.is_global_zero:
+        cut_after(out / CURVE, run.at.step)
+    return run
+
+
+def _ended(run: _Run) -> Literal["finished", "early_stop", "time"] | None:
+    if run.at.step >= run.config.steps:
+        return "finished"
+    if run.config.patience and run.at.stale >= run.config.patience:
+        return "early_stop"
+    return "time" if time.monotonic() > run.deadline else None
+
+
+def _advance(run: _Run, parts: list[Any], show: Show) -> None:
+    """One step and what is due after it."""
+    at, config = run.at, run.config
+    rate = run.learner.rate(at.step)
+    for group in run.learner.optimizer.param_groups:
+        group["lr"] = rate * group.get("scale", 1.0)
+    terms = take_step(run.fabric, run.model, run.optimizer, run.learner.loss, parts, config.clip_norm)
+    at.step += 1
+    _account(run, terms)
+    if at.step % config.log_every == 0:
+        row = run.meter.row(rate)
+        show(at.step, f"loss {row.get('loss', math.nan):.4g}, {row['images_per_s']:.1f} images/s")
+        _write_row(run, {"skipped": at.skipped} | row)
+    if run.validate is not None and config.validate_every and at.step % config.validate_every == 0:
+        _validate(run, run.validate)
+
+
+def _account(run: _Run, terms: dict[str, Tensor] | None) -> None:
+    at = run.at
+    if terms is not None:
+        at.skipped_in_a_row = 0
+        update_average(run.average, run.learner.model, at.step, run.config.average_decay)
+        run.meter.add(terms)
+        return
+    at.skipped += 1
+    at.skipped_in_a_row += 1
+    _log.warning("step %d left out, its loss is not finite; %d so far", at.step, at.skipped)
+    if at.skipped_in_a_row >= run.config.max_skipped_in_a_row:
+        raise InputError(
+            f"the loss was not finite {at.skipped_in_a_row} steps in a row up to step {at.step}: "
+            f"lower the learning rate or check the labels; {run.out / CHECKPOINT} still holds the last good state"
+        )
+
+
+def _validate(run: _Run, validate: Validate) -> None:
+    """Scores the averaged weights and keeps the best; the run's generators do not notice."""
+    state = random_state()
+    score = float(validate(run.average))
+    restore_random_state(state)
+    better = score < run.at.best_score
+    run.at.stale = 0 if better else run.at.stale + 1
+    if better:
+        run.at.best_score = score
+        if run.fabric.is_global_zero:
+            save_weights(run.out / BEST, run.average.state_dict(), run.learner.notes)
+    _log.info("step %d: validation %.5g, best %.5g", run.at.step, score, run.at.best_score)
+    _write_row(run, {"validation": score})
+
+
+def _write_row(run: _Run, row: Mapping[str, float | int]) -> None:
+    if run.fabric.is_global_zero:
+        append_row(run.out / CURVE, {"step": run.at.step, **row})
+
+
+def _identity(run: _Run) -> dict[str, Any]:
+    """What must not change between the parts of one run."""
+    kept = ("batch_size", "accumulate", "average_decay", "seed")
+    return {"world": run.fabric.world_size} | {key: getattr(run.config, key) for key in kept} | run.learner.notes
+
+
+def _save(run: _Run) -> None:
+    """Writes the checkpoint, except over a good one when a weight is not finite."""
+    finite = all(torch.isfinite(weights).all() for weights in run.learner.model.parameters())
+    if not finite:
+        raise InputError(f"weights are not finite at step {run.at.step}; {run.out / CHECKPOINT} is the last good state")
+    if not run.fabric.is_global_zero:
+        return
+    content = {
+        "version": VERSION,
+        "identity": _identity(run),
+        "progress": asdict(run.at),
+        "model": run.learner.model.state_dict(),
+        "average": run.average.state_dict(),
+        "optimizer": run.learner.optimizer.state_dict(),
+        "random": random_state(),
+    }
+    save_checkpoint(run.out / CHECKPOINT, content)
+
+
+def _resume(run: _Run, content: dict[str, Any]) -> None:
+    """Puts a checkpoint's state into the run; InputError where it belongs to another one."""
+    path, identity = run.out / CHECKPOINT, _identity(run)
+    if content.get("version") != VERSION:
+        raise InputError(f"{path} has version {content.get('version')!r}, expected {VERSION}: choose another folder")
+    differing = [key for key, value in identity.items() if content["identity"].get(key) != value]
+    if differing:
+        key = differing[0]
+        raise InputError(
+            f"{path} was made with {key} = {content['identity'].get(key)!r}, this run has {identity[key]!r}: "
+            "use the same settings or choose another folder"
+        )
+    run.learner.model.load_state_dict(content["model"])
+    run.average.load_state_dict(content["average"])
+    run.learner.optimizer.load_state_dict(content["optimizer"])
+    for name, value in content["progress"].items():
+        setattr(run.at, name, value)
+    restore_random_state(content["random"])
+    _log.info("resumed %s at step %d", path, run.at.step)
+
+
+def _result(run: _Run, reason: Literal["finished", "early_stop", "time"]) -> TrainingResult:
+    """The averaged weights, of the best validation where there is one, also as a file."""
+    at = run.at
+    model = run.average.cpu()
+    if (run.out / BEST).exists() and math.isfinite(at.best_score):
+        model.load_state_dict(load_file(run.out / BEST))
+    if run.fabric.is_global_zero:
+        save_weights(run.out / WEIGHTS, model.state_dict(), run.learner.notes)
+    best = at.best_score if math.isfinite(at.best_score) else math.nan
+    samples = at.step * run.config.batch_size * run.config.accumulate * run.fabric.world_size
+    return TrainingResult(reason, model, at.step, samples, at.skipped, best, run.out / WEIGHTS)
