@@ -49,6 +49,11 @@ def aim(piece: Piece, origin: tuple[float, float, float], axis: tuple[float, flo
     return Piece(piece.part, piece.vertices_m @ R.T + np.asarray(origin), piece.faces)
 
 
+def moved(piece: Piece, by_m: tuple[float, float, float]) -> Piece:
+    """The piece shifted."""
+    return Piece(piece.part, piece.vertices_m + np.asarray(by_m), piece.faces)
+
+
 def rod(part: str, start: tuple[float, float, float], end: tuple[float, float, float], radius: float) -> Piece:
     """Round rod between two points."""
     along = np.asarray(end, dtype=np.float64) - np.asarray(start)

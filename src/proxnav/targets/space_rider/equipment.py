@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from proxnav.targets.solids import Piece, aim, box, revolve, rod
+from proxnav.targets.solids import Piece, aim, box, moved, revolve, rod
 from proxnav.targets.space_rider.params import SpaceRiderParams
 
 Point = tuple[float, float, float]
@@ -90,5 +90,5 @@ def _thruster_blocks(p: SpaceRiderParams) -> list[Piece]:
         x, y, z = on_hull(p, p.module_aft_x_m + 0.12, clock, 0.05)
         pieces.append(box("thrusters", (x - 0.1, y - 0.08, z - 0.08), (x + 0.1, y + 0.08, z + 0.08)))
         bell = revolve("thrusters", [(0.0, 0.0), (0.0, 0.02), (-0.14, 0.055), (-0.14, 0.0)], 12)
-        pieces.append(Piece("thrusters", bell.vertices_m + [x - 0.1, y, z], bell.faces))
+        pieces.append(moved(bell, (x - 0.1, y, z)))
     return pieces

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Int
 
-from proxnav.targets.solids import Piece, box, loft_faces, revolve
+from proxnav.targets.solids import Piece, box, loft_faces, moved, revolve
 from proxnav.targets.space_rider.params import SpaceRiderParams
 from proxnav.targets.space_rider.sections import SEAM_M, Sections, body_sections, mark_range_m
 
@@ -87,4 +87,4 @@ def _base_thrusters(p: SpaceRiderParams) -> list[Piece]:
     """Attitude-control nozzles at the base, two a side."""
     bell = revolve("thrusters", [(0.0, 0.0), (0.0, 0.03), (-0.12, 0.06), (-0.12, 0.0)], 12)
     places = [(y * p.body_width_m, z * p.body_height_m) for y in (-0.36, 0.36) for z in (0.05, 0.17)]
-    return [Piece(bell.part, bell.vertices_m + [p.base_x_m, y, z], bell.faces) for y, z in places]
+    return [moved(bell, (p.base_x_m, y, z)) for y, z in places]
