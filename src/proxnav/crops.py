@@ -6,13 +6,15 @@ binned, because the network sees the mean of them anyway.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import count
 
 import numpy as np
 
+from proxnav.cluster.local import in_order
 from proxnav.datasets.labelling import mask_box
 from proxnav.datasets.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, Window
 from proxnav.detection.heatmap.crop import Crop, resample
-from proxnav.detection.samples import TrainingSample
+from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.geometry import Camera
 from proxnav.presets import NAVIGATION_CAMERA, OBSERVATION
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
@@ -57,6 +59,35 @@ class CropJob:
             return _draw(scene, _jittered(projected_box(target, scene), config, rng), config.side, target, renderer)
 
         return make
+
+
+@dataclass(frozen=True)
+class WholeFrameJob:
+    """As `CropJob`, for the finder: whole frames at the finder's side, a share of them without a target."""
+
+    config: CropConfig
+    empty_share: float = 0.1
+
+    def __call__(self) -> Callable[[int], TrainingSample]:
+        config, target = self.config, load_target(self.config.target)
+        renderer = RaycastRenderer(target, config.raycast)
+
+        def make(index: int) -> TrainingSample:
+            scene = random_scene(index, config.seed, config.scenes, config.target, config.camera, draw_sensor)
+            if np.random.default_rng([config.seed, index, 2]).random() < self.empty_share:
+                scene = replace(scene, t_cam_target_m=_BEHIND_M)
+            crop = Crop(0, 0, max(config.camera.width, config.camera.height))
+            return _draw(scene, crop, config.side, target, renderer)
+
+        return make
+
+
+_BEHIND_M = (0.0, 0.0, -50.0)  # behind the camera, a target leaves the picture to the sky
+
+
+def sample_source(job: Callable[[], Callable[[int], TrainingSample]], workers: int) -> SampleSource:
+    """The endless stream of a job's samples, drawn by `workers` processes ahead of the learner."""
+    return lambda start, stride: in_order(job, count(start, stride), workers)
 
 
 def projected_box(target: Target, scene: SceneSpec) -> np.ndarray:

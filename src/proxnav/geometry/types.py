@@ -19,6 +19,9 @@ Rotation3x3 = Float[np.ndarray, "*#batch 3 3"]
 Pixels = Float[np.ndarray, "*#batch 2"]
 """Image points [px], corner origin: the first pixel's centre is (0.5, 0.5)."""
 
+Box = Float[np.ndarray, "xyxy=4"]
+"""x0, y0, x1, y1 [px], outer edges."""
+
 Points = Float[np.ndarray, "n_keypoints 3"]
 Covariances2 = Float[np.ndarray, "n_keypoints 2 2"]
 Flags = Bool[np.ndarray, "n_keypoints"]

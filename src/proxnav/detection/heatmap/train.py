@@ -1,8 +1,9 @@
 """Training the crop network on samples that never repeat."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -11,11 +12,12 @@ from torch import Tensor, nn
 
 from proxnav.detection.heatmap.augment import AugmentConfig, augment
 from proxnav.detection.heatmap.decode import decode
+from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
 from proxnav.detection.heatmap.loss import LossConfig, keypoint_loss
-from proxnav.detection.heatmap.network import STRIDE, HeatmapNet, HeatmapNetConfig, as_channels_last
+from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
+from proxnav.detection.heatmap.pyramid import STRIDE, as_channels_last
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
 from proxnav.detection.training.config import Learner, LoopConfig, TrainingResult, Validate
-
 from proxnav.detection.training.loop import train
 from proxnav.detection.training.rates import warm_up_then_cosine
 
@@ -34,35 +36,82 @@ class TrainHeatmapConfig:
     """Weights (safetensors) to start from, such as those of a smaller side."""
 
 
+@dataclass(frozen=True)
+class TrainFinderConfig:
+    """How the finder is trained."""
+
+    net: FinderConfig = field(default_factory=FinderConfig)
+    augment: AugmentConfig = field(default_factory=AugmentConfig)
+    loop: LoopConfig = field(default_factory=lambda: LoopConfig(steps=1500, batch_size=16, log_every=50))
+    rate: float = 1e-3
+    weight_decay: float = 0.02
+    start: Path | None = None
+    """Weights (safetensors) to start from."""
+
+
 def train_heatmap(
     config: TrainHeatmapConfig, source: SampleSource, out: Path, validate: Validate | None = None
 ) -> TrainingResult:
-    """Trains into `out`, resuming where it stopped; the weights are the running average."""
-    torch.manual_seed(config.loop.seed)
-    net = as_channels_last(HeatmapNet(config.net))
-    if config.start is not None:
-        net.load_state_dict(load_file(config.start))
-    decayed, free = _by_dimension(net)
-    groups = [{"params": decayed, "weight_decay": config.weight_decay}, {"params": free, "weight_decay": 0.0}]
-
-    def collate(samples: list[TrainingSample], step: int, rng: np.random.Generator) -> dict[str, Tensor]:
-        for sample in samples:
-            check_keypoint_count(sample, config.net.n_keypoints)
-        return batch_of([augment(sample, config.augment, rng) for sample in samples])
+    """Trains the crop network into `out`, resuming where it stopped; the weights are the running average."""
 
     def loss(model: nn.Module, batch: dict[str, Tensor]) -> dict[str, Tensor]:
         maps = model(batch["image"].contiguous(memory_format=torch.channels_last))
         return keypoint_loss(maps, batch["keypoints"], batch["visibility"], batch["mask"], config.loss)
 
-    learner = Learner(
-        model=net,
+    torch.manual_seed(config.loop.seed)
+    notes = {"detector": "heatmap"} | asdict(config.net)
+    learner = _learner(HeatmapNet(config.net), config, loss, notes, config.net.n_keypoints)
+    return train(learner, source, config.loop, out, validate)
+
+
+def train_finder(
+    config: TrainFinderConfig, source: SampleSource, out: Path, validate: Validate | None = None
+) -> TrainingResult:
+    """Trains the finder into `out` on cross-entropy of each cell and overlap of the whole."""
+
+    def loss(model: nn.Module, batch: dict[str, Tensor]) -> dict[str, Tensor]:
+        logits = model(batch["image"].contiguous(memory_format=torch.channels_last)).float()[:, 0]
+        each = nn.functional.binary_cross_entropy_with_logits(logits, batch["mask"], reduction="none")
+        overlap = soft_overlap(logits.sigmoid(), batch["mask"])
+        return {"cell": each.mean(), "overlap": 1.0 - overlap.mean()}
+
+    torch.manual_seed(config.loop.seed)
+    learner = _learner(FinderNet(config.net), config, loss, {"detector": "finder"} | asdict(config.net), None)
+    return train(learner, source, config.loop, out, validate)
+
+
+def soft_overlap(p: Tensor, mask: Tensor) -> Tensor:
+    """(b,) Dice overlap 2 |p m| / (|p| + |m|) of probabilities and masks; 1 where both are empty."""
+    both, either = (p * mask).sum(dim=(-2, -1)), (p + mask).sum(dim=(-2, -1))
+    return (2.0 * both + 1.0) / (either + 1.0)
+
+
+def _learner(
+    net: nn.Module,
+    config: TrainHeatmapConfig | TrainFinderConfig,
+    loss: Callable[[nn.Module, dict[str, Tensor]], dict[str, Tensor]],
+    notes: dict[str, Any],
+    n_keypoints: int | None,
+) -> Learner:
+    if config.start is not None:
+        net.load_state_dict(load_file(config.start))
+
+    def collate(samples: list[TrainingSample], step: int, rng: np.random.Generator) -> dict[str, Tensor]:
+        for sample in samples:
+            if n_keypoints is not None:
+                check_keypoint_count(sample, n_keypoints)
+        return batch_of([augment(sample, config.augment, rng) for sample in samples])
+
+    decayed, free = _by_dimension(net)
+    groups = [{"params": decayed, "weight_decay": config.weight_decay}, {"params": free, "weight_decay": 0.0}]
+    return Learner(
+        model=as_channels_last(net),
         optimizer=torch.optim.AdamW(groups, lr=config.rate, betas=(0.9, 0.99)),
         rate=warm_up_then_cosine(config.rate, config.loop.steps),
         collate=collate,
         loss=loss,
-        notes={"detector": "heatmap"} | asdict(config.net),
+        notes=notes,
     )
-    return train(learner, source, config.loop, out, validate)
 
 
 def batch_of(samples: Sequence[TrainingSample]) -> dict[str, Tensor]:
