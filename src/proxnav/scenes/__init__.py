@@ -1,1 +1,8 @@
-"""What the camera looks at: SceneSpecs from a trajectory or drawn at random."""
+"""What the camera looks at: scenes from a trajectory's instants, or drawn at random."""
+
+from proxnav.scenes.from_trajectory import SceneConfig, scene_at
+from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
+from proxnav.scenes.random_sun import SunConfig
+from proxnav.scenes.random_view import ViewConfig
+
+__all__ = ["RandomSceneConfig", "SceneConfig", "SunConfig", "ViewConfig", "random_scene", "scene_at"]

@@ -1,0 +1,18 @@
+"""Arrays as the plain tuples that a SceneSpec holds."""
+
+import numpy as np
+
+from proxnav.datasets.records.scene import Quadruple, Triple
+from proxnav.geometry import quaternion
+
+
+def triple(v: np.ndarray) -> Triple:
+    """A vector as three Python floats."""
+    x, y, z = v.tolist()
+    return x, y, z
+
+
+def quadruple(q: np.ndarray) -> Quadruple:
+    """A quaternion as four Python floats, w >= 0, of length one."""
+    w, x, y, z = quaternion.canonical(quaternion.normalize(q)).tolist()
+    return w, x, y, z

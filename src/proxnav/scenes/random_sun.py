@@ -1,0 +1,65 @@
+"""Where the Sun stands in a random scene, and how much of it the target sees."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from proxnav.datasets.records import SunSpec
+from proxnav.errors import InputError
+from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, sun_visible_fraction
+from proxnav.geometry.pointing import q_between
+from proxnav.geometry.quaternion import rotate
+from proxnav.geometry.types import Vector3
+from proxnav.scenes.plain import triple
+
+Light = Literal["sunlit", "penumbra", "umbra"]
+
+_SUN_HALF_ANGLE = 4.65e-3  # rad
+
+
+@dataclass(frozen=True)
+class SunConfig:
+    """Directions are uniform within each kind of light."""
+
+    umbra_share: float = 0.0
+    penumbra_share: float = 0.0
+    max_phase_rad: float = np.pi
+    """Most angle at the target between Sun and camera in sunlit frames; small is front light, pi is any light."""
+
+    def __post_init__(self) -> None:
+        if min(self.umbra_share, self.penumbra_share) < 0.0 or self.umbra_share + self.penumbra_share > 1.0:
+            raise InputError(
+                f"umbra_share and penumbra_share are shares of all frames, found {self.umbra_share} and "
+                f"{self.penumbra_share}; give numbers in [0, 1] that sum to 1 at most"
+            )
+
+
+def draw_light(rng: np.random.Generator, config: SunConfig) -> Light:
+    """The kind of light of one frame."""
+    x = rng.random()
+    if x < config.umbra_share:
+        return "umbra"
+    return "penumbra" if x < config.umbra_share + config.penumbra_share else "sunlit"
+
+
+def draw_sun(rng: np.random.Generator, light: Light, nadir_target: Vector3, orbit_radius_m: float) -> SunSpec:
+    """A Sun in target axes that gives this kind of light at this distance from Earth's centre."""
+    limb = np.arcsin(EARTH_EQUATORIAL_RADIUS / orbit_radius_m)  # Earth's angular radius
+    least, most = {
+        "umbra": (0.0, limb - _SUN_HALF_ANGLE),
+        "penumbra": (limb - _SUN_HALF_ANGLE, limb + _SUN_HALF_ANGLE),
+        "sunlit": (limb + _SUN_HALF_ANGLE, np.pi),
+    }[light]
+    z = rng.uniform(np.cos(most), np.cos(least))  # uniform over the zone of the sphere
+    around = rng.uniform(-np.pi, np.pi)
+    about_nadir = np.array([np.sqrt(1.0 - z * z) * np.cos(around), np.sqrt(1.0 - z * z) * np.sin(around), z])
+    direction = rotate(q_between(np.array([0.0, 0.0, 1.0]), nadir_target), about_nadir)
+    fraction = sun_visible_fraction(-orbit_radius_m * nadir_target, direction)
+    return SunSpec(direction_target=triple(direction), visible_fraction=float(fraction))
+
+
+def phase_angle(sun: SunSpec, to_camera_target: Vector3) -> float:
+    """Angle at the target between the Sun and the camera [rad]."""
+    cosine = np.dot(sun.direction_target, to_camera_target) / np.linalg.norm(to_camera_target)
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
