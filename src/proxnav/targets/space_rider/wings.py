@@ -20,9 +20,8 @@ def wing_axis_x_m(p: SpaceRiderParams) -> float:
 
 
 def wing_corners_m(p: SpaceRiderParams, side: int) -> dict[str, tuple[float, float, float]]:
-    """Corners of the left (-1) or right (+1) wing on the upper, cell-bearing face."""
-    x, h = wing_axis_x_m(p), p.wing_chord_m / 2
-    z = -p.wing_raise_m - p.wing_thickness_m / 2
+    """Corners of the left (-1) or right (+1) wing half-way through the panel: visible from both sides."""
+    x, h, z = wing_axis_x_m(p), p.wing_chord_m / 2, -p.wing_raise_m
     root, tip = side * p.wing_root_m, side * p.wing_span_m / 2
     return {
         f"{name_y}_{name_x}": (x + dx, y, z)
