@@ -11,12 +11,13 @@ from proxnav.pose.config import PoseConfig
 from proxnav.pose.intake import Correspondences
 from proxnav.pose.kernels.consensus import MODES, compete, search
 from proxnav.pose.kernels.lens import weigh
-from proxnav.pose.kernels.refinement import distances, normal_equations
+from proxnav.pose.kernels.refinement import distances, normal_equations, refine
 
 LOSSES = {"squares": 0, "huber": 1, "cauchy": 2}
 _WEIGHT_FLOOR_PX2 = 1e-6  # keeps a zero covariance invertible
 _SEARCH_WIDENING = 2.0  # a pose of three noisy points is worse than the refined one: the search gate is wider
 _LARGEST_NOISE_SHARE = 0.05  # of the spread of the points in the image: more would make any cloud of points agree
+_MIRROR_STEPS = 8  # Levenberg-Marquardt steps given to the pose behind the camera
 _MEDIAN_D2 = 1.3863  # median of chi-square with 2 degrees of freedom
 
 
@@ -92,8 +93,16 @@ def information(fit: Fit, data: Correspondences, config: PoseConfig) -> Float[np
     H, g = np.empty((6, 6)), np.empty(6)
     X, t = data.X + data.centroid, fit.t - fit.R @ data.centroid
     loss = LOSSES[config.loss]
-    normal_equations(fit.R, t, X, data.pixels, fit.info, fit.use, data.lens, loss, config.loss_sigma**2, H, g)
+    normal_equations(fit.R, t, X, data.pixels, fit.info, fit.use, data.lens, 1.0, loss, config.loss_sigma**2, H, g)
     return H
+
+
+def cost_behind(fit: Fit, data: Correspondences, config: PoseConfig) -> float:
+    """Cost of the pose behind the camera that looks most like this one: half a turn round the axis, depth reversed."""
+    R, t = fit.R * [[-1.0], [-1.0], [1.0]], -fit.t
+    loss, k2, gate2 = LOSSES[config.loss], config.loss_sigma**2, config.gate_sigma**2
+    refine(R, t, data.X, data.pixels, fit.info, fit.use, data.lens, -1.0, loss, k2, _MIRROR_STEPS)
+    return float(np.minimum(_d2(R, t, data, fit.info, side=-1.0), gate2).sum())
 
 
 def rms_px(fit: Fit, data: Correspondences) -> float:

@@ -10,6 +10,7 @@ from proxnav.pose.config import PoseConfig
 from proxnav.pose.consensus import (
     Fit,
     agrees,
+    cost_behind,
     fit_consensus,
     information,
     measured_noise,
@@ -19,6 +20,7 @@ from proxnav.pose.consensus import (
     turn_between,
 )
 from proxnav.pose.intake import Correspondences, as_flags, correspondences
+from proxnav.pose.kernels.refinement import to_wxyz
 
 _DEFAULTS = PoseConfig()
 _FAR_APART = 16.0  # squared 4 sigma: a rival closer than this is covered by the covariance
@@ -77,11 +79,20 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
     noise2 = min(1.0, max(reduced, 1e-9)) if noise_unknown else 1.0
     if _is_ambiguous(fit, covariance, config.ambiguity * noise2):
         return PoseResult.failure("no_consensus", len(data.keep))
+    if _belongs_behind(fit, data, noise_unknown, config):
+        return PoseResult.failure("behind_camera", len(data.keep))
     if config.inflation == "residual":
         covariance = covariance * max(1.0, reduced)
-    T_cam_target = Pose.from_matrix("cam", "target", fit.R, fit.t - fit.R @ data.centroid)
+    T_cam_target = Pose("cam", "target", to_wxyz(fit.R), fit.t - fit.R @ data.centroid)
     inliers = as_flags(len(data.keep), np.flatnonzero(data.keep)[fit.use])
     return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data))
+
+
+def _belongs_behind(fit: Fit, data: Correspondences, noise_unknown: bool, config: PoseConfig) -> bool:
+    """Whether the mirrored pose behind the camera fits clearly better, as after a sign error in the pixels."""
+    behind = cost_behind(fit, data, config)
+    noise2 = min(1.0, max(behind / max(2 * len(data.X) - 6, 1), 1e-9)) if noise_unknown else 1.0
+    return behind + config.ambiguity * noise2 < fit.cost
 
 
 def _covariance(H: Float[np.ndarray, "6 6"]) -> Float[np.ndarray, "6 6"] | None:
@@ -94,7 +105,7 @@ def _covariance(H: Float[np.ndarray, "6 6"]) -> Float[np.ndarray, "6 6"] | None:
         return None
     if L.diagonal().min() < 1e-6:
         return None
-    half = np.linalg.inv(L) * scale
+    half = np.linalg.inv(L) * scale  # H^-1 = half^T half
     return half.T @ half
 
 

@@ -95,11 +95,11 @@ def search(X, xy, ray_info, side, gate2, every, max_samples, confidence, seed, m
 
 
 @njit(cache=True)
-def polish(R, t, X, pixels, info, gate_info, lens, gate2, loss, k2, widen, d2, use):
+def polish(R, t, X, pixels, info, gate_info, lens, side, gate2, loss, k2, widen, d2, use):
     """Alternates gate and refinement, from a wide gate to the final one; returns the truncated cost over all points."""
     n = len(X)
     for step in range(4):
-        distances(R, t, X, pixels, gate_info, lens, 1.0, d2)
+        distances(R, t, X, pixels, gate_info, lens, side, d2)
         limit = gate2 * (widen * widen if step == 0 else 1.0)
         same, count = step > 1, 0
         for i in range(n):
@@ -109,12 +109,12 @@ def polish(R, t, X, pixels, info, gate_info, lens, gate2, loss, k2, widen, d2, u
             count += inside
         if same:
             break
-        if count < 3 or refine(R, t, X, pixels, info, use, lens, loss, k2, 10 if step == 0 else 20) == np.inf:
+        if count < 3 or refine(R, t, X, pixels, info, use, lens, side, loss, k2, 10 if step == 0 else 20) == np.inf:
             break
-    distances(R, t, X, pixels, gate_info, lens, 1.0, d2)
+    distances(R, t, X, pixels, gate_info, lens, side, d2)
     for i in range(n):
         use[i] = d2[i] <= gate2
-    distances(R, t, X, pixels, info, lens, 1.0, d2)
+    distances(R, t, X, pixels, info, lens, side, d2)
     total = 0.0
     for i in range(n):
         total += min(d2[i], gate2)
@@ -131,7 +131,7 @@ def compete(modes_R, modes_t, costs, X, pixels, info, gate_info, lens, gate2, lo
     for k in range(MODES):
         if costs[k] <= limit and costs[k] < np.inf:
             refined[k] = polish(
-                modes_R[k], modes_t[k], X, pixels, info, gate_info, lens, gate2, loss, k2, widen, d2, flags[k]
+                modes_R[k], modes_t[k], X, pixels, info, gate_info, lens, 1.0, gate2, loss, k2, widen, d2, flags[k]
             )
     best, rival, rival_cost = int(np.argmin(refined)), -1, np.inf
     for k in range(MODES):

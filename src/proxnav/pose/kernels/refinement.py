@@ -34,7 +34,7 @@ def _rho(d2, loss, k2):
 
 
 @njit(cache=True)
-def normal_equations(R, t, X, pixels, info, use, lens, loss, k2, H, g):
+def normal_equations(R, t, X, pixels, info, use, lens, side, loss, k2, H, g):
     """H = J^T W J and g = J^T W e for (dt, dr) with t + dt, exp(dr) R; returns the robust cost.
 
     J = [Jpi, -Jpi [R p]x], Jpi the Jacobian of the distorted projection.
@@ -50,7 +50,7 @@ def normal_equations(R, t, X, pixels, info, use, lens, loss, k2, H, g):
         r2 = R[2, 0] * X[i, 0] + R[2, 1] * X[i, 1] + R[2, 2] * X[i, 2]
         z = r2 + t[2]
         x, y = (r0 + t[0]) / z, (r1 + t[1]) / z
-        if z <= 0.0 or x * x + y * y > lens[9]:
+        if z * side <= 0.0 or x * x + y * y > lens[9]:
             return np.inf
         u, v, ux, uy, vx, vy = distort(x, y, lens)
         eu, ev = pixels[i, 0] - u, pixels[i, 1] - v
@@ -119,11 +119,11 @@ def _perturb(R, t, step, R_out, t_out):
 
 
 @njit(cache=True)
-def refine(R, t, X, pixels, info, use, lens, loss, k2, iterations):
+def refine(R, t, X, pixels, info, use, lens, side, loss, k2, iterations):
     """Levenberg-Marquardt in place on the points in use; returns the robust cost."""
     H, g, step = np.empty((6, 6)), np.empty(6), np.empty(6)
     H2, g2, R2, t2 = np.empty((6, 6)), np.empty(6), np.empty((3, 3)), np.empty(3)
-    cost, damping = normal_equations(R, t, X, pixels, info, use, lens, loss, k2, H, g), 1e-4
+    cost, damping = normal_equations(R, t, X, pixels, info, use, lens, side, loss, k2, H, g), 1e-4
     if cost == np.inf:
         return cost
     for _ in range(iterations):
@@ -133,7 +133,7 @@ def refine(R, t, X, pixels, info, use, lens, loss, k2, iterations):
                 break
             continue
         _perturb(R, t, step, R2, t2)
-        cost2 = normal_equations(R2, t2, X, pixels, info, use, lens, loss, k2, H2, g2)
+        cost2 = normal_equations(R2, t2, X, pixels, info, use, lens, side, loss, k2, H2, g2)
         if cost2 <= cost:
             gain = cost - cost2
             R[:], t[:], H[:], g[:], cost = R2, t2, H2, g2, cost2
@@ -145,3 +145,22 @@ def refine(R, t, X, pixels, info, use, lens, loss, k2, iterations):
             if damping > 1e8:
                 break
     return cost
+
+
+@njit(cache=True)
+def to_wxyz(R):
+    """Unit quaternion of a rotation matrix, largest component first computed (S. W. Shepperd, 1978)."""
+    q = np.empty(4)
+    trace = R[0, 0] + R[1, 1] + R[2, 2]
+    i = 0
+    for k in range(1, 3):
+        if R[k, k] > R[i, i]:
+            i = k
+    if trace > R[i, i]:
+        q[0] = 1.0 + trace
+        q[1], q[2], q[3] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    else:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q[0], q[1 + i] = R[k, j] - R[j, k], 1.0 - trace + 2.0 * R[i, i]
+        q[1 + j], q[1 + k] = R[j, i] + R[i, j], R[k, i] + R[i, k]
+    return q / math.sqrt(np.sum(q * q))
