@@ -1,0 +1,69 @@
+"""Running an ONNX graph: OpenVINO in bfloat16 where the processor multiplies it, ONNX Runtime everywhere else."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from proxnav.errors import InputError
+
+Backend = Literal["auto", "onnxruntime", "openvino"]
+Session = Callable[[np.ndarray], list[np.ndarray]]
+"""One batch in, the graph's outputs in their order."""
+
+
+def open_session(path: Path, backend: Backend = "auto", threads: int = 0) -> Session:
+    """A graph ready to run; `threads` 0 takes all cores. InputError when the file is absent or damaged."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such model file; give the name of a shipped model or a folder with model.json")
+    if backend == "auto":
+        backend = "openvino" if _has_bfloat16() and _can_import_openvino() else "onnxruntime"
+    try:
+        return _openvino(path, threads) if backend == "openvino" else _onnxruntime(path, threads)
+    except RuntimeError as error:
+        raise InputError(f"{path}: not a graph that {backend} can run ({str(error).splitlines()[0]})") from None
+
+
+def _onnxruntime(path: Path, threads: int) -> Session:
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.log_severity_level = 3
+    wanted = ("CUDAExecutionProvider", "CPUExecutionProvider")
+    providers = [name for name in wanted if name in onnxruntime.get_available_providers()]
+    try:
+        session = onnxruntime.InferenceSession(str(path), options, providers)
+    except Exception as error:  # its exceptions share no base class but Exception
+        raise RuntimeError(str(error)) from error
+    name = session.get_inputs()[0].name
+    return lambda batch: [np.asarray(output) for output in session.run(None, {name: batch})]
+
+
+def _openvino(path: Path, threads: int) -> Session:
+    import openvino
+
+    hints: dict[str, str] = {"PERFORMANCE_HINT": "LATENCY"}
+    if _has_bfloat16():
+        hints["INFERENCE_PRECISION_HINT"] = "bf16"
+    if threads:
+        hints["INFERENCE_NUM_THREADS"] = str(threads)
+    compiled = openvino.Core().compile_model(str(path), "CPU", hints)
+    request = compiled.create_infer_request()
+    return lambda batch: [np.array(output) for output in request.infer([batch]).to_tuple()]
+
+
+def _can_import_openvino() -> bool:
+    from importlib.util import find_spec
+
+    return find_spec("openvino") is not None
+
+
+def _has_bfloat16() -> bool:
+    """Whether the processor multiplies bfloat16 in hardware (Linux says so in /proc/cpuinfo)."""
+    try:
+        flags = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return False
+    return "avx512_bf16" in flags or "amx_bf16" in flags

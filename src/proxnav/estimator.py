@@ -1,0 +1,110 @@
+"""Image in, pose and covariance out: a detector and the pose solver as one call. Needs no torch."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from proxnav.datasets.files import read_json
+from proxnav.datasets.records import Keypoints, PoseResult
+from proxnav.detection.heatmap.detector import HeatmapDetector
+from proxnav.detection.images import check_size
+from proxnav.detection.sessions import Backend, open_session
+from proxnav.errors import InputError
+from proxnav.geometry import Camera
+from proxnav.pose.config import PoseConfig
+from proxnav.pose.estimate import estimate_pose
+
+SHIPPED = Path(__file__).parent / "weights"
+"""Models that come with the package, a folder each."""
+
+
+@dataclass(frozen=True)
+class PoseEstimator:
+    """`estimator(image, camera)` is the pose of the target in the camera frame.
+
+    >>> estimator = PoseEstimator.load("space-rider")  # doctest: +SKIP
+    >>> estimator(image, camera).status                # doctest: +SKIP
+    'ok'
+    """
+
+    detect: Callable[[np.ndarray], Keypoints]
+    points_target_m: np.ndarray
+    """(n, 3) keypoints in the target frame, in the detector's order."""
+    keypoint_names: tuple[str, ...]
+    target: str
+    """Name of the target that the model knows."""
+    pose: PoseConfig = field(default_factory=PoseConfig)
+
+    @staticmethod
+    def load(name_or_path: str, backend: Backend = "auto", threads: int = 0) -> "PoseEstimator":
+        """A shipped model by name, or any folder with a `model.json`."""
+        folder = _folder(name_or_path)
+        card = read_json(folder / "model.json", "the description of a model")
+        try:
+            return _assemble(folder, card, backend, threads)
+        except (KeyError, TypeError) as error:
+            raise InputError(
+                f"{folder / 'model.json'}: {type(error).__name__} {error}; export the model again"
+            ) from None
+
+    def __call__(self, image: np.ndarray, camera: Camera) -> PoseResult:
+        """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size."""
+        check_size(image, camera)
+        keypoints = self.detect(image)
+        if keypoints.status != "ok":
+            return PoseResult.failure(keypoints.status, len(self.points_target_m))
+        return self.solve(keypoints, camera)
+
+    def solve(self, keypoints: Keypoints, camera: Camera) -> PoseResult:
+        """Pose from keypoints that were detected before."""
+        return estimate_pose(
+            self.points_target_m, keypoints.pixels, camera, keypoints.covariances_px2, keypoints.scores, self.pose
+        )
+
+
+def shipped_models() -> list[str]:
+    """Names of the models in the package."""
+    return sorted(path.parent.name for path in SHIPPED.glob("*/model.json"))
+
+
+def _folder(name_or_path: str) -> Path:
+    for folder in (SHIPPED / name_or_path, Path(name_or_path)):
+        if (folder / "model.json").is_file():
+            return folder
+    raise InputError(
+        f"no model '{name_or_path}': neither a shipped one ({', '.join(shipped_models()) or 'none'}) "
+        "nor a folder with a model.json"
+    )
+
+
+def _assemble(folder: Path, card: dict[str, Any], backend: Backend, threads: int) -> PoseEstimator:
+    points = np.array(card["keypoints_m"], dtype=np.float64).reshape(-1, 3)
+    names = tuple(str(name) for name in card["keypoint_names"])
+    if len(names) != len(points):
+        raise InputError(f"{folder / 'model.json'}: {len(names)} keypoint names for {len(points)} keypoints")
+    return PoseEstimator(_DETECTORS[card["detector"]](folder, card, backend, threads), points, names, card["target"])
+
+
+def _heatmap(folder: Path, card: dict[str, Any], backend: Backend, threads: int) -> HeatmapDetector:
+    return HeatmapDetector(
+        find=open_session(folder / "finder.onnx", backend, threads),
+        read=open_session(folder / "crop.onnx", backend, threads),
+        n_keypoints=len(card["keypoint_names"]),
+        **card["settings"],
+    )
+
+
+_DETECTORS: dict[str, Callable[[Path, dict[str, Any], Backend, int], Callable[[np.ndarray], Keypoints]]] = {
+    "heatmap": _heatmap,
+}
+
+
+def write_model_card(folder: Path, card: dict[str, Any]) -> None:
+    """The `model.json` that `PoseEstimator.load` reads."""
+    from proxnav.datasets.files import write_atomic
+
+    write_atomic(folder / "model.json", (json.dumps(card, indent=1) + "\n").encode())
