@@ -1,0 +1,96 @@
+"""Air between the eye and what it sees, from one point: tables over the direction, filled where rays ask.
+
+From a fixed point, light scattered into a ray depends on the ray's nadir angle and on its azimuth against the Sun only;
+it is smooth in both apart from the phase functions, which are applied per ray. Three tables: rays that end on the
+ground, on the cloud shell, and nowhere.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from proxnav.rendering.earth.atmosphere import R_TOP, Air, march, mie_phase, rayleigh_phase
+from proxnav.rendering.earth.ellipsoid import A_M, near_hit
+
+N_NADIR, N_AZIMUTH = 72, 40
+STEPS = 32
+GROUND, CLOUD, SKY = 0, 1, 2
+CLOUD_TOP_M = 5e3  # m, the shell on which clouds are drawn
+
+
+class Aerial(NamedTuple):
+    """The tables of one eye point and Sun direction."""
+
+    nodes: np.ndarray
+    """(3, N_NADIR, N_AZIMUTH, 12) float32: Rayleigh, Mie, isotropic, transmittance."""
+    done: np.ndarray
+    """(3, N_NADIR, N_AZIMUTH) bool, which nodes have been computed."""
+    bounds: np.ndarray
+    """(3, 2) cosine of the nadir angle at the horizon edge of each table and at its other end."""
+    radius: float
+    """Of the eye, in stretched space [m]."""
+    mu_sun: float
+    """Cosine of the Sun's zenith angle at the eye."""
+
+
+def empty(radius: float, mu_sun: float) -> Aerial:
+    """Tables without any node yet."""
+    edge = [math.sqrt(max(0.0, 1.0 - (shell / radius) ** 2)) for shell in (A_M, A_M + CLOUD_TOP_M, R_TOP)]
+    top = edge[2] if radius > R_TOP else -1.0
+    bounds = np.array([[edge[0], 1.0], [edge[1], 1.0], [edge[0], top]])
+    nodes = np.zeros((3, N_NADIR, N_AZIMUTH, 12), dtype=np.float32)
+    return Aerial(nodes, np.zeros((3, N_NADIR, N_AZIMUTH), dtype=np.bool_), bounds, radius, mu_sun)
+
+
+@njit(cache=True, nogil=True)
+def _fill(aerial, transmittance, multiple, kind, i, j):
+    edge, end = aerial.bounds[kind, 0], aerial.bounds[kind, 1]
+    u = i / (N_NADIR - 1)
+    down = edge + (end - edge) * u * u  # cosine of the nadir angle
+    cos_azimuth = 1.0 - 2.0 * j / (N_AZIMUTH - 1)
+    r0, mu_sun, mu = aerial.radius, aerial.mu_sun, -down
+    nu = mu * mu_sun + math.sqrt(max(0.0, (1 - mu * mu) * (1 - mu_sun * mu_sun))) * cos_azimuth
+    if kind == SKY:
+        length = -r0 * mu + math.sqrt(max(0.0, R_TOP * R_TOP - r0 * r0 * (1.0 - mu * mu)))
+    else:
+        shell = A_M if kind == GROUND else A_M + CLOUD_TOP_M
+        length = near_hit(1.0, r0 * mu, shell, r0)
+        if length < 0.0:  # the horizon node itself, missed by rounding
+            length = -r0 * mu
+    out = np.empty(12)
+    march(transmittance, multiple, r0, mu, mu_sun, nu, length, STEPS, out)
+    for k in range(12):
+        aerial.nodes[kind, i, j, k] = out[k]
+    aerial.done[kind, i, j] = True
+
+
+@njit(cache=True, nogil=True)
+def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, light, through):
+    """Scattered light per unit Sun irradiance [1/sr] into `light` (3) and transmittance into `through` (3)."""
+    edge, end = aerial.bounds[kind, 0], aerial.bounds[kind, 1]
+    x = math.sqrt(min(1.0, max(0.0, (down - edge) / (end - edge)))) * (N_NADIR - 1)
+    y = min(1.0, max(0.0, 0.5 * (1.0 - cos_azimuth))) * (N_AZIMUTH - 1)
+    i, j = min(int(x), N_NADIR - 2), min(int(y), N_AZIMUTH - 2)
+    for di in range(2):
+        for dj in range(2):
+            if not aerial.done[kind, i + di, j + dj]:
+                _fill(aerial, transmittance, multiple, kind, i + di, j + dj)
+    fx, fy = np.float32(x - i), np.float32(y - j)
+    one = np.float32(1.0)
+    w00, w01, w10, w11 = (one - fx) * (one - fy), (one - fx) * fy, fx * (one - fy), fx * fy
+    a, b = aerial.nodes[kind, i, j], aerial.nodes[kind, i, j + 1]
+    c, d = aerial.nodes[kind, i + 1, j], aerial.nodes[kind, i + 1, j + 1]
+    phase_r, phase_m = rayleigh_phase(nu), mie_phase(nu)
+    for k in range(3):
+        r = w00 * a[k] + w01 * b[k] + w10 * c[k] + w11 * d[k]
+        m = w00 * a[3 + k] + w01 * b[3 + k] + w10 * c[3 + k] + w11 * d[3 + k]
+        iso = w00 * a[6 + k] + w01 * b[6 + k] + w10 * c[6 + k] + w11 * d[6 + k]
+        light[k] = phase_r * r + phase_m * m + iso
+        through[k] = w00 * a[9 + k] + w01 * b[9 + k] + w10 * c[9 + k] + w11 * d[9 + k]
+
+
+def tables(air: Air) -> tuple[np.ndarray, np.ndarray]:
+    """What `look` needs of the atmosphere."""
+    return air.transmittance, air.multiple

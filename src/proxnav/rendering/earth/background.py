@@ -1,0 +1,116 @@
+"""From a SceneSpec to the radiance behind the target: along rays, through a camera, and all around the target."""
+
+import math
+from functools import cache
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.datasets.records import SceneSpec, Window
+from proxnav.geometry import Camera, quaternion
+from proxnav.rendering.earth import atmosphere, sun
+from proxnav.rendering.earth.aerial import Aerial, empty
+from proxnav.rendering.earth.clouds import clouds
+from proxnav.rendering.earth.ellipsoid import stretched
+from proxnav.rendering.earth.imagery import ground_pyramid
+from proxnav.rendering.earth.shading import Eye, World, scratch, shade_many
+
+
+@cache
+def _world(cover: float, seed: int) -> World:
+    air = atmosphere.air()
+    return World(air.transmittance, air.multiple, air.sky_irradiance, ground_pyramid(), clouds(cover, seed))
+
+
+def _eye(scene: SceneSpec, r_target_eye_m: np.ndarray, show_sun: bool) -> tuple[Eye, Aerial, np.ndarray]:
+    """Eye, empty tables and R_ecef_target for a point given in target axes."""
+    earth = scene.earth
+    assert earth is not None
+    R_ecef_target = quaternion.to_matrix(np.array(earth.q_target_ecef)).T
+    origin = stretched(R_ecef_target @ (r_target_eye_m - np.array(earth.r_target_earth_m)))
+    to_sun = R_ecef_target @ np.array(scene.sun.direction_target)
+    to_sun /= np.linalg.norm(to_sun)
+    to_sun_stretched = stretched(to_sun) / np.linalg.norm(stretched(to_sun))
+    radius = float(np.linalg.norm(origin))
+    eye = Eye(
+        origin,
+        to_sun,
+        to_sun_stretched,
+        np.array(scene.sun.irradiance, dtype=np.float64),
+        show_sun,
+        earth.atmosphere,
+        earth.city_lights,
+    )
+    return eye, empty(radius, float(origin @ to_sun_stretched) / radius), R_ecef_target
+
+
+def _radiance(
+    scene: SceneSpec, r_target_eye_m: np.ndarray, directions: np.ndarray, pixel_rad: float, show_sun: bool
+) -> np.ndarray:
+    out = np.zeros((len(directions), 3), dtype=np.float32)
+    if scene.earth is None:
+        return _empty_space(scene, directions) if show_sun else out
+    eye, aerial, R_ecef_target = _eye(scene, r_target_eye_m, show_sun)
+    world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
+    shade_many(eye, world, aerial, scratch(), directions @ R_ecef_target.T, pixel_rad, out)
+    return out
+
+
+def _empty_space(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
+    """Without Earth: the Sun's disc, dimmed as the scene says."""
+    out = np.zeros((len(directions), 3), dtype=np.float32)
+    nu = directions @ np.array(scene.sun.direction_target)
+    for i in np.flatnonzero(nu > math.cos(1.1 * sun.HALF_ANGLE)):
+        out[i] = [sun.disc(nu[i], k) * scene.sun.irradiance[k] * scene.sun.visible_fraction for k in range(3)]
+    return out
+
+
+def _camera_position(scene: SceneSpec) -> np.ndarray:
+    return scene.T_cam_target.inverse().t_m
+
+
+def background_radiance(
+    scene: SceneSpec, directions_target: Float[np.ndarray, "n 3"], pixel_rad: float = 7e-4
+) -> Float[np.ndarray, "n 3"]:
+    """Radiance [W/(m^2 sr)] that reaches the camera along unit directions in target axes when no target is in the way.
+
+    `pixel_rad` is the angle that one ray stands for: finer detail fades out. Stars are points and not in it: see `stars`.
+    """
+    directions = np.ascontiguousarray(directions_target, dtype=np.float64)
+    return _radiance(scene, _camera_position(scene), directions, pixel_rad, show_sun=True)
+
+
+def background_image(
+    scene: SceneSpec, camera: Camera, window: Window, supersample: int = 1
+) -> Float[np.ndarray, "h w 3"]:
+    """Mean radiance [W/(m^2 sr)] of each pixel of a window of the (distorted) camera, without the target."""
+    n = supersample
+    x = window.x + (np.arange(window.width * n) + 0.5) / n
+    y = window.y + (np.arange(window.height * n) + 0.5) / n
+    pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    rays = camera.unproject(pixels)
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    directions = np.ascontiguousarray(rays @ scene.T_cam_target.R)
+    fine = _radiance(scene, _camera_position(scene), directions, 1.0 / (n * camera.fx), show_sun=True)
+    return fine.reshape(window.height, n, window.width, n, 3).mean(axis=(1, 3), dtype=np.float32)
+
+
+def environment_map(scene: SceneSpec, rows: int = 32) -> Float[np.ndarray, "rows cols 3"]:
+    """Radiance [W/(m^2 sr)] around the target without the Sun's disc, equirectangular in target axes.
+
+    Row 0 is at the +z pole; column j has azimuth atan2(y, x) = -pi + 2 pi (j + 0.5) / (2 rows).
+    """
+    directions = equirectangular(rows)
+    flat = _radiance(scene, np.zeros(3), directions.reshape(-1, 3), math.pi / rows, show_sun=False)
+    return flat.reshape(rows, 2 * rows, 3)
+
+
+@cache
+def equirectangular(rows: int) -> np.ndarray:
+    """(rows, 2 rows, 3) unit directions of the texels of an environment map."""
+    polar = np.pi * (np.arange(rows) + 0.5) / rows
+    azimuth = -np.pi + 2.0 * np.pi * (np.arange(2 * rows) + 0.5) / (2 * rows)
+    theta, phi = np.meshgrid(polar, azimuth, indexing="ij")
+    directions = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+    directions.setflags(write=False)
+    return directions

