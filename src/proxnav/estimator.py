@@ -1,6 +1,5 @@
 """Image in, pose and covariance out: a detector and the pose solver as one call. Needs no torch."""
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets.files import read_json
+from proxnav.datasets.files import read_json, write_json
 from proxnav.datasets.records import Keypoints, PoseResult
 from proxnav.detection.heatmap.detector import HeatmapDetector
 from proxnav.detection.images import check_size
@@ -105,6 +104,4 @@ _DETECTORS: dict[str, Callable[[Path, dict[str, Any], Backend, int], Callable[[n
 
 def write_model_card(folder: Path, card: dict[str, Any]) -> None:
     """The `model.json` that `PoseEstimator.load` reads."""
-    from proxnav.datasets.files import write_atomic
-
-    write_atomic(folder / "model.json", (json.dumps(card, indent=1) + "\n").encode())
+    write_json(folder / "model.json", card, indent=1)

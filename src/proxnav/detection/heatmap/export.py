@@ -22,7 +22,7 @@ OPSET = 17
 
 
 class ReadKeypoints(nn.Module):
-    """Crops (b, h, w) uint8 to points (b, n, 2) [px], scores (b, n), covariances (b, n, 2, 2) [px^2], shown share (b,)."""
+    """Crops (b, h, w) uint8 to points (b, n, 2) [px], scores, covariances (b, n, 2, 2) [px^2], shown (b,)."""
 
     def __init__(self, net: nn.Module) -> None:
         super().__init__()
