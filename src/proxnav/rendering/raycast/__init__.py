@@ -1,1 +1,6 @@
-"""Embree and numba: the fast renderer for training data and closed loops."""
+"""The fast renderer: Embree finds what rays meet, numba shades it."""
+
+from proxnav.rendering.raycast.config import RaycastConfig
+from proxnav.rendering.raycast.renderer import RaycastRenderer
+
+__all__ = ["RaycastConfig", "RaycastRenderer"]

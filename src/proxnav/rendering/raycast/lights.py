@@ -1,0 +1,88 @@
+"""The light of one frame: the Sun, Earth's map, and what both leave on the surfaces of the target."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.datasets.records import SceneSpec
+from proxnav.datasets.records.scene import SUN_HALF_ANGLE
+from proxnav.rendering.raycast.config import RaycastConfig
+from proxnav.rendering.raycast.environment import Environment, build_environment
+from proxnav.rendering.raycast.light_cache import OFFSET_M, gather
+from proxnav.rendering.raycast.model import Model
+from proxnav.rendering.raycast.texels import TexelTable
+
+SUN_WIDENING = SUN_HALF_ANGLE**2 / 8.0
+"""Added to alpha^2: half vectors to the points of the disc scatter by half_angle^2 / 16 along each axis."""
+_NO_SKY = np.zeros((16, 32, 3), np.float32)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lights:
+    """Light on the target in one frame, in target axes."""
+
+    sun: Float[np.ndarray, "3"]
+    sun_irradiance: Float[np.ndarray, "3"]
+    """W/m^2 at normal incidence, eclipse included."""
+    environment: Environment
+    indirect: Float[np.ndarray, "n_cache 3"]
+    """Irradiance of the light-cache points from Earth and from neighbouring surfaces."""
+    exitance: Float[np.ndarray, "n_cache 3"]
+    """What the light-cache points send back, evenly to all sides."""
+
+    @property
+    def has_sun(self) -> bool:
+        """Whether the Sun reaches the target at all."""
+        return bool(self.sun_irradiance.any())
+
+    @property
+    def has_ambient(self) -> bool:
+        """Whether anything but the Sun does."""
+        return bool(self.indirect.any() or self.exitance.any())
+
+
+def light_up(scene: SceneSpec, model: Model, textures: TexelTable, config: RaycastConfig) -> Lights:
+    """The frame's light, gathered over the target's light cache."""
+    sun = np.array(scene.sun.direction_target, dtype=np.float64)
+    sun /= np.linalg.norm(sun)
+    sun_irradiance = np.array(scene.sun.irradiance) * scene.sun.visible_fraction
+    sky = None
+    if scene.earth is not None:
+        from proxnav.rendering.earth import environment_map
+
+        sky = environment_map(scene, config.environment_rows)
+    environment = build_environment(_NO_SKY if sky is None else sky)
+    indirect, exitance = _gathered(model, textures, sun, sun_irradiance, sky, config)
+    return Lights(sun, sun_irradiance, environment, indirect, exitance)
+
+
+def _gathered(
+    model: Model,
+    textures: TexelTable,
+    sun: np.ndarray,
+    sun_irradiance: np.ndarray,
+    sky: np.ndarray | None,
+    config: RaycastConfig,
+) -> tuple[np.ndarray, np.ndarray]:
+    """(indirect irradiance, exitance) of the light cache's points."""
+    n = len(model.mesh.cache_position)
+    if sky is None and config.bounces == 0:
+        return np.zeros((n, 3)), np.zeros((n, 3))
+    albedo = textures.mean_albedo[model.mesh.cache_part].astype(np.float64)
+    emitted = np.pi * textures.parts[model.mesh.cache_part, 5:8]
+    sunlight = _sunlight(model, sun)[:, None] * sun_irradiance
+    return gather(model.cache, albedo, emitted, sunlight, sky, config.bounces)
+
+
+def _sunlight(model: Model, sun: np.ndarray) -> np.ndarray:
+    """(n_cache,) cosine of the Sun at each light-cache point, 0 in shadow."""
+    mesh = model.mesh
+    cosine = mesh.cache_normal @ sun
+    facing = np.flatnonzero(cosine > 0.0)
+    origins = mesh.cache_position[facing] + 10.0 * OFFSET_M * (mesh.cache_normal[facing] + sun)
+    directions = np.broadcast_to(sun.astype(np.float32), origins.shape)
+    shadowed = model.tracer.occluded(origins.astype(np.float32), np.ascontiguousarray(directions))
+    light = np.zeros(len(cosine))
+    light[facing] = np.where(shadowed, 0.0, cosine[facing]) * model.cache.usable[facing]
+    return light

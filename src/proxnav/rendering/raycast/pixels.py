@@ -1,0 +1,122 @@
+"""Which pixels need more than one ray, and where inside the pixel and on the Sun's disc those rays go.
+
+Everything here depends on the pixel's place in the image alone, never on the window that is being rendered.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+from numba import njit
+
+_PLASTIC = np.array([0.7548776662466927, 0.5698402909980532])
+"""M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018: the R2 sequence."""
+_CREASE_COSINE = 0.94
+
+
+def pixel_pattern(count: int) -> Float[np.ndarray, "count 2"]:
+    """Places in a pixel, evenly spread, whose mean is the pixel's centre (0.5, 0.5)."""
+    places = (0.5 + _PLASTIC * np.arange(count)[:, None]) % 1.0
+    return places - places.mean(axis=0) + 0.5
+
+
+def sample_places(pixels: Int[np.ndarray, "n 2"], count: int) -> Float[np.ndarray, "n_times_count 2"]:
+    """Points [px] of the samples of pixels (x, y), sample by sample within each pixel."""
+    return (pixels[:, None, :] + pixel_pattern(count)).reshape(-1, 2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _mix(x, y):
+    """Two numbers in [0, 1) that look random, from integer pixel coordinates (finaliser of MurmurHash3)."""
+    h = np.uint64(x & 0xFFFFFFFF) * np.uint64(0x9E3779B97F4A7C15) ^ np.uint64(y & 0xFFFFFFFF) * np.uint64(
+        0xC2B2AE3D27D4EB4F
+    )
+    h = (h ^ (h >> np.uint64(33))) * np.uint64(0xFF51AFD7ED558CCD)
+    h = (h ^ (h >> np.uint64(33))) * np.uint64(0xC4CEB9FE1A85EC53)
+    h = h ^ (h >> np.uint64(33))
+    return np.float64(h >> np.uint64(40)) / 16777216.0, np.float64(
+        (h >> np.uint64(8)) & np.uint64(0xFFFFFF)
+    ) / 16777216.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sun_points(pixels, per_pixel, step, steps, centre, half_angle, out):
+    """Fills a direction (n * per_pixel, 3) on the Sun's disc for every sample: the step-th of `steps` in each."""
+    ax, ay, az = (1.0, 0.0, 0.0) if abs(centre[0]) < 0.6 else (0.0, 1.0, 0.0)
+    ux, uy, uz = ay * centre[2] - az * centre[1], az * centre[0] - ax * centre[2], ax * centre[1] - ay * centre[0]
+    norm = np.sqrt(ux * ux + uy * uy + uz * uz)
+    ux, uy, uz = ux / norm, uy / norm, uz / norm
+    vx, vy, vz = centre[1] * uz - centre[2] * uy, centre[2] * ux - centre[0] * uz, centre[0] * uy - centre[1] * ux
+    for i in range(pixels.shape[0]):
+        a, b = _mix(pixels[i, 0], pixels[i, 1])
+        for k in range(per_pixel):
+            n = k * steps + step
+            # stratified radius, golden angle: an even disc for any count
+            share = (a + (n + 0.5) / (per_pixel * steps)) % 1.0
+            r, phi = half_angle * np.sqrt(share), 2.0 * np.pi * (b + n * 0.6180339887498949)
+            p, q = r * np.cos(phi), r * np.sin(phi)
+            j = i * per_pixel + k
+            out[j, 0] = centre[0] + p * ux + q * vx
+            out[j, 1] = centre[1] + p * uy + q * vy
+            out[j, 2] = centre[2] + p * uz + q * vz
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mark_edges(triangle, position, depth, normals, part, pixel_rad, marked):
+    """Marks pixels of a grid (h, w) between which the surface ends, folds, jumps or changes part."""
+    h, w = triangle.shape
+    for y in range(h):
+        for x in range(w):
+            for dy, dx in ((0, 1), (1, -1), (1, 0), (1, 1)):
+                yy, xx = y + dy, x + dx
+                if yy >= h or xx < 0 or xx >= w:
+                    continue
+                a, b = triangle[y, x], triangle[yy, xx]
+                if a == b:
+                    continue
+                pixel_m = depth[y, x] * pixel_rad
+                if a < 0 or b < 0 or _breaks(a, b, position[y, x], position[yy, xx], normals, part, pixel_m):
+                    marked[y, x] = True
+                    marked[yy, xx] = True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _breaks(a, b, p, q, normals, part, pixel_m):
+    """Whether two points on triangles a and b belong to different smooth surfaces."""
+    if part[a] != part[b]:
+        return True
+    cosine, above_p, above_q = 0.0, 0.0, 0.0
+    for k in range(3):
+        cosine += normals[a, k] * normals[b, k]
+        above_p += (q[k] - p[k]) * normals[a, k]
+        above_q += (p[k] - q[k]) * normals[b, k]
+    return cosine < _CREASE_COSINE or min(abs(above_p), abs(above_q)) > 0.5 * pixel_m
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mark_penumbra(lit, blocker, depth, pixel_rad, half_angle, reach, marked):
+    """Marks pixels of a grid (h, w) that a shadow's edge may soften.
+
+    `lit` is 1 in sunlight, 0 in a cast shadow and -1 where the question does not arise; `blocker` [m] is the distance
+    to what casts the shadow, whose penumbra is 2 `half_angle` times that wide.
+    """
+    h, w = lit.shape
+    for y in range(h):
+        for x in range(w):
+            if lit[y, x] != 0:
+                continue
+            edge = False
+            for yy in range(max(0, y - 1), min(h, y + 2)):
+                for xx in range(max(0, x - 1), min(w, x + 2)):
+                    edge = edge or lit[yy, xx] == 1
+            if not edge:
+                continue
+            r = min(reach, 1 + int(1.5 * half_angle * blocker[y, x] / (depth[y, x] * pixel_rad)))
+            for yy in range(max(0, y - r), min(h, y + r + 1)):
+                for xx in range(max(0, x - r), min(w, x + r + 1)):
+                    if lit[yy, xx] >= 0:
+                        marked[yy, xx] = True
+
+
+def grid_pixels(x: int, y: int, width: int, height: int) -> Int[np.ndarray, "n 2"]:
+    """Coordinates (x, y) of the pixels of a rectangle, row-major."""
+    columns, rows = np.meshgrid(np.arange(x, x + width), np.arange(y, y + height))
+    return np.stack([columns.ravel(), rows.ravel()], axis=-1)

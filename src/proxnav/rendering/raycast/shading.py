@@ -1,0 +1,135 @@
+"""Radiance of a point towards the eye: the Sun through its shadow, the light cache, and what a mirror ray sees."""
+
+import numpy as np
+from numba import njit
+
+from proxnav.rendering.raycast.bsdf import reflectance, table_albedo
+from proxnav.rendering.raycast.environment import lobe_radiance
+from proxnav.rendering.raycast.light_cache import OFFSET_M
+from proxnav.rendering.raycast.surface import barycentric
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sun_rays(position, surface, sun, which, origins, directions):
+    """Fills a ray towards each hit's point `sun` (n, 3) of the disc and the hit's index; returns their number.
+
+    Surfaces that turn away from the Sun need none.
+    """
+    count = 0
+    for i in range(position.shape[0]):
+        s, l = surface[i], sun[i]
+        if s[0] * l[0] + s[1] * l[1] + s[2] * l[2] <= 0.0 or s[3] * l[0] + s[4] * l[1] + s[5] * l[2] <= 0.0:
+            continue
+        for k in range(3):
+            origins[count, k] = position[i, k] + OFFSET_M * s[3 + k]
+            directions[count, k] = l[k]
+        which[count] = i
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mirror_rays(position, surface, which, origins, directions):
+    """Fills the reflected ray of each hit whose material asks for one, and the hit's index; returns their number."""
+    count = 0
+    for i in range(position.shape[0]):
+        s = surface[i]
+        if s[15] <= 0.0:
+            continue
+        nv = s[0] * s[6] + s[1] * s[7] + s[2] * s[8]
+        rx, ry, rz = 2.0 * nv * s[0] - s[6], 2.0 * nv * s[1] - s[7], 2.0 * nv * s[2] - s[8]
+        under = rx * s[3] + ry * s[4] + rz * s[5]
+        lift = max(0.0, 1e-3 - under)  # a bump may reflect into the surface itself: graze it instead
+        rx, ry, rz = rx + lift * s[3], ry + lift * s[4], rz + lift * s[5]
+        n = np.sqrt(rx * rx + ry * ry + rz * rz)
+        for k in range(3):
+            origins[count, k] = position[i, k] + OFFSET_M * s[3 + k]
+        directions[count, 0], directions[count, 1], directions[count, 2] = rx / n, ry / n, rz / n
+        which[count] = i
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _interpolate(index, weights, values, usable, out):
+    """Fills `out` (3) with the light cache between three points; buried points do not count."""
+    total = 0.0
+    out[0] = out[1] = out[2] = 0.0
+    for k in range(3):
+        j = index[k]
+        w = weights[k] * usable[j]
+        total += w
+        for c in range(3):
+            out[c] += w * values[j, c]
+    for c in range(3):
+        out[c] = out[c] / total if total > 1e-6 else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def shade_sun(surface, sun, lit, irradiance, alpha_sun2, radiance):
+    """Adds the light of the Sun in direction `sun` (3) that each hit reflects; `lit` (n) is the unshadowed share."""
+    f = np.empty(3)
+    for i in range(surface.shape[0]):
+        if lit[i] <= 0.0:
+            continue
+        s, l = surface[i], sun
+        nl = s[0] * l[0] + s[1] * l[1] + s[2] * l[2]
+        nv = s[0] * s[6] + s[1] * s[7] + s[2] * s[8]
+        if nl <= 0.0 or nv <= 0.0:
+            continue
+        hx, hy, hz = s[6] + l[0], s[7] + l[1], s[8] + l[2]
+        h = np.sqrt(hx * hx + hy * hy + hz * hz)
+        nh = min(1.0, (s[0] * hx + s[1] * hy + s[2] * hz) / h)
+        alpha = np.sqrt(s[13] * s[13] + alpha_sun2)  # the disc widens the lobe of a smooth surface
+        reflectance(nl, nv, nh, s[9:12], s[12], alpha, s[14], f)
+        for c in range(3):
+            radiance[i, c] += lit[i] * nl * irradiance[c] * f[c]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def shade_emission(triangle, part, parts, radiance):
+    """Adds what the surfaces emit."""
+    for i in range(triangle.shape[0]):
+        p = parts[part[triangle[i]]]
+        for c in range(3):
+            radiance[i, c] += p[5 + c]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def shade_ambient(triangle, weights, surface, mesh_cache, usable, indirect, table, radiance):
+    """Adds the diffuse reflection of the light cache, and the part of the gloss that needs no mirror ray."""
+    E = np.empty(3)
+    for i in range(triangle.shape[0]):
+        s = surface[i]
+        _interpolate(mesh_cache[triangle[i]], weights[i], indirect, usable, E)
+        nv = max(s[0] * s[6] + s[1] * s[7] + s[2] * s[8], 1e-3)
+        gloss = table_albedo(table, nv, s[13]) * (1.0 - s[15])
+        for c in range(3):
+            diffuse = (1.0 - s[12]) * (1.0 - s[14]) * s[9 + c]
+            mirror = gloss * ((1.0 - s[12]) * s[14] + s[12] * s[9 + c])
+            radiance[i, c] += (diffuse + mirror) * E[c] / np.pi
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def shade_mirror(
+    which, directions, seen, origins, corners, mesh_cache, usable, exitance, surface, sky, lobes, table, radiance
+):
+    """Adds what the mirror rays see: the target by its light cache, else Earth and sky averaged over the lobe."""
+    L, w, origin, ray = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    for j in range(which.shape[0]):
+        i = which[j]
+        s = surface[i]
+        f = seen[j]
+        if f >= 0:
+            for k in range(3):
+                origin[k], ray[k] = origins[j, k], directions[j, k]
+            barycentric(corners[f], origin, ray, w)
+            _interpolate(mesh_cache[f], w, exitance, usable, L)
+            for c in range(3):
+                L[c] /= np.pi
+        else:
+            lobe_radiance(sky, lobes, directions[j, 0], directions[j, 1], directions[j, 2], s[13], L)
+        nv = max(s[0] * s[6] + s[1] * s[7] + s[2] * s[8], 1e-3)
+        gloss = table_albedo(table, nv, s[13]) * s[15]
+        for c in range(3):
+            radiance[i, c] += gloss * ((1.0 - s[12]) * s[14] + s[12] * s[9 + c]) * L[c]
