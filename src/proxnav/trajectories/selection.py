@@ -1,0 +1,44 @@
+"""Parts of a trajectory."""
+
+import numpy as np
+
+from proxnav.datasets.records import Trajectory
+from proxnav.errors import InputError
+
+_SERIES = (
+    "t",
+    "r_eci_target_m",
+    "v_eci_target_mps",
+    "q_eci_target",
+    "r_eci_chaser_m",
+    "v_eci_chaser_mps",
+    "q_eci_cam",
+    "sun_eci",
+    "sun_visible",
+)
+
+
+def select(trajectory: Trajectory, index: np.ndarray) -> Trajectory:
+    """The instants that an index array or a mask picks, in order of time."""
+    picked = {name: getattr(trajectory, name)[index] for name in _SERIES}
+    return Trajectory(epoch_utc=trajectory.epoch_utc, source=trajectory.source, **picked)
+
+
+def clip_range(trajectory: Trajectory, least_m: float, most_m: float) -> Trajectory:
+    """The instants at which the camera is between `least_m` and `most_m` from the target's origin."""
+    inside = (trajectory.range_m >= least_m) & (trajectory.range_m <= most_m)
+    if not inside.any():
+        low, high = trajectory.range_m.min(), trajectory.range_m.max()
+        raise InputError(
+            f"{trajectory.source} runs from {low:.1f} m to {high:.1f} m and never between {least_m} m and {most_m} m: "
+            "widen the range"
+        )
+    return select(trajectory, inside)
+
+
+def spread(trajectory: Trajectory, count: int) -> Trajectory:
+    """`count` instants spread evenly over the trajectory, first and last included; all of them if there are fewer."""
+    if count < 1:
+        raise InputError(f"a trajectory needs at least one instant, asked for {count}")
+    n = len(trajectory)
+    return trajectory if count >= n else select(trajectory, np.linspace(0, n - 1, count).round().astype(int))
