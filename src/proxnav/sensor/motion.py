@@ -1,0 +1,29 @@
+"""How the image moves during the exposure: the target by its own motion, what is far away by the camera's rotation."""
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.datasets.records import ExposureSpec
+from proxnav.geometry import Camera
+
+
+def target_velocity_px(
+    point_cam_m: Float[np.ndarray, "3"], exposure: ExposureSpec, camera: Camera
+) -> Float[np.ndarray, "2"]:
+    """Image velocity [px/s] of a point that moves with the target: J (v - omega x r)."""
+    r = np.asarray(point_cam_m, dtype=np.float64)
+    v = np.array(exposure.v_cam_target_mps) - np.cross(exposure.omega_cam_radps, r)
+    return camera.projection_jacobian(r) @ v
+
+
+def background_velocity_px(
+    ray_cam: Float[np.ndarray, "3"], exposure: ExposureSpec, camera: Camera
+) -> Float[np.ndarray, "2"]:
+    """Image velocity [px/s] of what is infinitely far along a ray: J (-omega x ray)."""
+    ray = np.asarray(ray_cam, dtype=np.float64)
+    return camera.projection_jacobian(ray) @ -np.cross(exposure.omega_cam_radps, ray)
+
+
+def is_still(exposure: ExposureSpec) -> bool:
+    """Whether nothing moves."""
+    return not any(exposure.v_cam_target_mps) and not any(exposure.omega_cam_radps)
