@@ -4,9 +4,9 @@ A crop smaller than the network's input is drawn at the sensor's resolution; a l
 binned, because the network sees the mean of them anyway.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from itertools import count
+from itertools import chain, count, islice
 
 import numpy as np
 
@@ -85,9 +85,25 @@ class WholeFrameJob:
 _BEHIND_M = (0.0, 0.0, -50.0)  # behind the camera, a target leaves the picture to the sky
 
 
-def sample_source(job: Callable[[], Callable[[int], TrainingSample]], workers: int) -> SampleSource:
-    """The endless stream of a job's samples, drawn by `workers` processes ahead of the learner."""
-    return lambda start, stride: in_order(job, count(start, stride), workers)
+def sample_source(
+    job: Callable[[], Callable[[int], TrainingSample]], workers: int, repeats: int = 1, block: int = 512
+) -> SampleSource:
+    """The endless stream of a job's samples, drawn by `workers` processes ahead of the learner.
+
+    Drawing costs more than learning: each block of samples passes `repeats` times before the next one, and the
+    learner's augmentation makes each pass another view. Sample i is the same for every stride that divides `block`.
+    """
+
+    def stream(start: int, stride: int) -> Iterator[TrainingSample]:
+        own = lambda number: range(number * block + start % stride, (number + 1) * block, stride)  # noqa: E731
+        number, skip = start // (repeats * block), (start % (repeats * block)) // stride
+        drawn = in_order(job, chain.from_iterable(own(n) for n in count(number)), workers, ahead=block // stride)
+        while True:
+            kept = list(islice(drawn, block // stride))
+            yield from (kept * repeats)[skip:]
+            skip = 0
+
+    return stream
 
 
 def projected_box(target: Target, scene: SceneSpec) -> np.ndarray:

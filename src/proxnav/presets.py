@@ -1,7 +1,7 @@
 """Named scenarios as Python objects; a command takes one by name and overrides single fields."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
@@ -47,6 +47,9 @@ STUDY = RandomSceneConfig(
     sensor=SPEED_CLASS,
 )
 """The same views with the textures of the target randomised, as the seed study trained."""
+
+TRAINING = replace(OBSERVATION, texture_strength=(0.0, 1.0), sun=SunConfig(max_phase_rad=math.radians(110.0)))
+"""Wider than what is tested: textures fully randomised, more oblique light."""
 
 PRESETS = {
     preset.name: preset

@@ -1,4 +1,7 @@
-"""What the renderer and the sensor do not vary: tone, blur and patches that hide part of the target."""
+"""New views of a drawn crop: turned, zoomed and shifted, in other tones, blurred, with parts hidden.
+
+No mirroring: the target is chiral, its mirror image is another craft.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -19,13 +22,20 @@ class AugmentConfig:
     """Log-uniform exponent."""
     blur_share: float = 0.2
     blur_sigma_px: tuple[float, float] = (0.3, 1.2)
+    turn_rad: float = 0.35
+    """Most rotation of the crop about its centre: the same as a roll of the camera."""
+    zoom: tuple[float, float] = (0.85, 1.2)
+    """Log-uniform scale."""
+    shift: float = 0.06
+    """Most displacement per axis over the crop's side."""
     erase_share: float = 0.25
     erase_size: tuple[float, float] = (0.1, 0.4)
     """Side of a hidden rectangle over the crop's side."""
 
 
 def augment(sample: TrainingSample, config: AugmentConfig, rng: np.random.Generator) -> TrainingSample:
-    """The sample under a random change of looks; geometry and labels stay."""
+    """The sample under a random similarity and a random change of looks."""
+    sample = _move(sample, config, rng)
     image = sample.image
     if rng.random() < config.tone_share:
         image = _tone(image, config, rng)
@@ -34,6 +44,24 @@ def augment(sample: TrainingSample, config: AugmentConfig, rng: np.random.Genera
     if rng.random() < config.erase_share:
         image = _erase(image, config, rng)
     return replace(sample, image=image)
+
+
+def _move(sample: TrainingSample, config: AugmentConfig, rng: np.random.Generator) -> TrainingSample:
+    """Similarity about the centre; image, mask and keypoints move together, corner origin kept."""
+    h, w = sample.image.shape
+    turn = config.turn_rad * rng.uniform(-1.0, 1.0)
+    zoom = np.exp(rng.uniform(*np.log(config.zoom)))
+    A = zoom * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    centre = np.array([w, h]) / 2.0
+    b = centre - A @ centre + config.shift * np.array([w, h]) * rng.uniform(-1.0, 1.0, size=2)
+    # cv2 counts from pixel centres: x_cv = x - 1/2 on both sides.
+    M = np.column_stack([A, b + A @ [0.5, 0.5] - 0.5])
+    smooth = cv2.INTER_LINEAR if zoom > 0.95 else cv2.INTER_AREA
+    image = cv2.warpAffine(sample.image, M, (w, h), flags=smooth)
+    mask = None
+    if sample.mask is not None:
+        mask = cv2.warpAffine(sample.mask.astype(np.uint8), M, (w, h), flags=cv2.INTER_NEAREST) > 0
+    return replace(sample, image=image, mask=mask, keypoints_px=sample.keypoints_px @ A.T + b)
 
 
 def _tone(image: np.ndarray, config: AugmentConfig, rng: np.random.Generator) -> np.ndarray:

@@ -1,0 +1,98 @@
+"""`proxnav train heatmap` and `proxnav train finder`: every image is drawn fresh while the network learns."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import tyro
+from torch import nn
+
+from proxnav import presets
+from proxnav.crops import CropConfig, CropJob, WholeFrameJob, sample_source
+from proxnav.datasets.files import write_json
+from proxnav.detection.heatmap.train import (
+    TrainFinderConfig,
+    TrainHeatmapConfig,
+    keypoint_errors,
+    train_finder,
+    train_heatmap,
+)
+from proxnav.detection.samples import TrainingSample
+from proxnav.targets.loading import load_target
+
+_VALIDATION_SEED = 7_000_001
+
+
+@dataclass(frozen=True)
+class TrainCropOptions:
+    """Trains the crop network on ray-cast crops that never repeat; resumes from --out."""
+
+    out: Path
+    """Folder of checkpoints, learning curve and weights."""
+    target: str = "space-rider"
+    """Name or file of the target."""
+    side: int = 128
+    """Pixels of the network's input: start small, finish large."""
+    workers: int = 1
+    """Processes that draw."""
+    seed: int = 1
+    """Of the scenes."""
+    validation: int = 256
+    """Crops that are kept aside."""
+    training: TrainHeatmapConfig = field(default_factory=TrainHeatmapConfig)
+
+
+@dataclass(frozen=True)
+class TrainFinderOptions:
+    """Trains the finder on ray-cast frames that never repeat; resumes from --out."""
+
+    out: Path
+    """Folder of checkpoints, learning curve and weights."""
+    target: str = "space-rider"
+    """Name or file of the target."""
+    side: int = 256
+    """Pixels of the network's input."""
+    workers: int = 1
+    """Processes that draw."""
+    seed: int = 2
+    """Of the scenes."""
+    training: TrainFinderConfig = field(default_factory=TrainFinderConfig)
+
+
+def crop(argv: list[str]) -> None:
+    """Entry of `proxnav train heatmap`."""
+    options = tyro.cli(TrainCropOptions, args=argv, prog="proxnav train heatmap")
+    crops = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
+    training = _for_target(options.training, options.target)
+    options.out.mkdir(parents=True, exist_ok=True)
+    write_json(options.out / "config.json", asdict(options) | {"out": None}, indent=1)
+    validate = _validation(replace(crops, seed=_VALIDATION_SEED, scenes=presets.OBSERVATION), options.validation)
+    result = train_heatmap(training, sample_source(CropJob(crops), options.workers), options.out, validate)
+    print(f"{result.reason}: {result.samples} crops seen, best validation {result.best_score:.3f} px; {result.weights}")
+
+
+def finder(argv: list[str]) -> None:
+    """Entry of `proxnav train finder`."""
+    options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
+    frames = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
+    result = train_finder(options.training, sample_source(WholeFrameJob(frames), options.workers), options.out)
+    print(f"{result.reason}: {result.samples} frames seen; {result.weights}")
+
+
+def _for_target(training: TrainHeatmapConfig, target: str) -> TrainHeatmapConfig:
+    """As many maps as the target has keypoints."""
+    return replace(training, net=replace(training.net, n_keypoints=len(load_target(target).keypoint_names)))
+
+
+def _validation(crops: CropConfig, count: int) -> Callable[[nn.Module], float]:
+    """Mean over the crops of the median keypoint error [px of the crop]; the crops are drawn once."""
+    kept: list[TrainingSample] = []
+
+    def validate(net: nn.Module) -> float:
+        if not kept:
+            make = CropJob(crops)()
+            kept.extend(make(index) for index in range(count))
+        return float(np.mean(np.nanmedian(keypoint_errors(net, kept), axis=1)))
+
+    return validate
