@@ -1,0 +1,1 @@
+"""Procedural surface patterns: nominal ones by kind of material, and random fields for training."""
