@@ -1,0 +1,46 @@
+"""`proxnav evaluate`: poses against truth."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 200.0, 400.0, 1e6)
+
+
+@dataclass(frozen=True)
+class EvaluateConfig:
+    """Compares poses with the truth and prints the study's Table 1 beside these, then the errors by range."""
+
+    estimates: Annotated[Path, tyro.conf.Positional]
+    """poses.json of `proxnav estimate` or `proxnav solve`, or any file of SPEED or SPEED+ records."""
+    truth: Annotated[Path, tyro.conf.Positional]
+    """Labels in the same form; images that have no estimate are counted as frames without a pose."""
+    json: bool = False
+    """Print one JSON object instead of the tables."""
+
+
+def main(argv: list[str]) -> None:
+    """Runs `proxnav evaluate`."""
+    run(tyro.cli(EvaluateConfig, args=argv, prog="proxnav evaluate"))
+
+
+def run(config: EvaluateConfig) -> None:
+    """Reads, compares, prints."""
+    from proxnav.datasets.speed import read_poses
+    from proxnav.evaluation.consistency import consistency
+    from proxnav.evaluation.metrics import metrics
+    from proxnav.evaluation.pairing import pair
+    from proxnav.evaluation.summary import by_range, summarise_frames
+    from proxnav.evaluation.table import consistency_line, range_table, table1
+
+    frames = pair(read_poses(config.estimates), read_poses(config.truth))
+    summary, found = summarise_frames(frames), consistency(frames)
+    if config.json:
+        print(json.dumps(metrics(summary, found), indent=1))
+        return
+    print(table1(summary))
+    print(f"\n{range_table(by_range(frames, _EDGES_M))}")
+    print(f"\n{consistency_line(found)}")

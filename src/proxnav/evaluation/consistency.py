@@ -1,0 +1,121 @@
+"""Whether the claimed covariances are honest, and how near the errors come to the Cramer-Rao bound."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+from scipy.stats import chi2
+
+from proxnav.evaluation.pairing import Frame, difference
+
+_DEGREES_OF_FREEDOM = 6
+_THREE_SIGMA = chi2.ppf(0.9973, _DEGREES_OF_FREEDOM)  # holds as much probability as 3 sigma of one number
+
+
+@dataclass(frozen=True, slots=True)
+class Consistency:
+    """Normalised squared errors (NEES) of poses that claim a covariance."""
+
+    poses: int
+    mean_nees: float
+    """6 when the covariances are honest, more when they are too small."""
+    nees_interval: tuple[float, float]
+    """95 % interval of the mean NEES of honest covariances, that many poses."""
+    beyond_3_sigma: float
+    """Share of poses outside the ellipsoid that holds 99.73 % of honest errors."""
+    axis_beyond_3_sigma: float
+    """Share of the single errors (six a pose) beyond three of their claimed standard deviations; 0.27 % if honest."""
+
+    @property
+    def is_consistent(self) -> bool:
+        """Whether the mean lies in the interval."""
+        low, high = self.nees_interval
+        return low <= self.mean_nees <= high
+
+
+@dataclass(frozen=True, slots=True)
+class Efficiency:
+    """Errors in one range bin against the bound: root mean squares and their ratios, 1 at best."""
+
+    poses: int
+    rms_t_m: float
+    bound_t_m: float
+    rms_r_rad: float
+    bound_r_rad: float
+
+    @property
+    def translation(self) -> float:
+        """RMS position error over its bound."""
+        return self.rms_t_m / self.bound_t_m
+
+    @property
+    def rotation(self) -> float:
+        """RMS attitude error over its bound."""
+        return self.rms_r_rad / self.bound_r_rad
+
+
+def nees(error: Float[np.ndarray, "6"], covariance: Float[np.ndarray, "6 6"]) -> float:
+    """Squared Mahalanobis length of (dt, dr) under the claimed covariance; infinite where that is not positive."""
+    scale = np.sqrt(np.maximum(np.diagonal(covariance), 1e-300))
+    try:
+        half = np.linalg.solve(np.linalg.cholesky(covariance / np.outer(scale, scale)), error / scale)
+    except np.linalg.LinAlgError:
+        return float("inf")
+    return float(half @ half)
+
+
+def consistency(frames: Sequence[Frame]) -> Consistency | None:
+    """Honesty of the claims of all frames that have a pose and a covariance; None when there is none."""
+    errors, covariances = _claims(frames)
+    if len(errors) == 0:
+        return None
+    values = np.array([nees(e, C) for e, C in zip(errors, covariances, strict=True)])
+    sigmas = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
+    m = len(values)
+    low, high = chi2.ppf([0.025, 0.975], _DEGREES_OF_FREEDOM * m) / m
+    return Consistency(
+        poses=m,
+        mean_nees=float(values.mean()),
+        nees_interval=(float(low), float(high)),
+        beyond_3_sigma=float((values > _THREE_SIGMA).mean()),
+        axis_beyond_3_sigma=float((np.abs(errors) > 3.0 * sigmas).mean()),
+    )
+
+
+def efficiency_by_range(
+    frames: Sequence[Frame], bounds: Mapping[str, np.ndarray], edges_m: Sequence[float]
+) -> dict[tuple[float, float], Efficiency]:
+    """RMS errors over the Cramer-Rao bound per range bin; `bounds` holds the (6, 6) bound by file name."""
+    known = [frame for frame in frames if frame.T_est is not None and frame.filename in bounds]
+    found = {}
+    for near, far in pairwise(edges_m):
+        inside = [frame for frame in known if near <= frame.range_m < far]
+        if inside:
+            found[(float(near), float(far))] = _efficiency(inside, bounds)
+    return found
+
+
+def _efficiency(frames: Sequence[Frame], bounds: Mapping[str, np.ndarray]) -> Efficiency:
+    squared = np.array([_error(frame) ** 2 for frame in frames])
+    variances = np.array([np.diagonal(bounds[frame.filename]) for frame in frames])
+
+    def rms(values: np.ndarray) -> float:
+        return float(np.sqrt(values.sum(axis=1).mean()))
+
+    return Efficiency(
+        len(frames), rms(squared[:, :3]), rms(variances[:, :3]), rms(squared[:, 3:]), rms(variances[:, 3:])
+    )
+
+
+def _claims(frames: Sequence[Frame]) -> tuple[Float[np.ndarray, "m 6"], Float[np.ndarray, "m 6 6"]]:
+    claimed = [frame for frame in frames if frame.T_est is not None and frame.covariance is not None]
+    errors = np.array([_error(frame) for frame in claimed]).reshape(-1, 6)
+    covariances = np.array([frame.covariance for frame in claimed]).reshape(-1, 6, 6)
+    return errors, covariances
+
+
+def _error(frame: Frame) -> Float[np.ndarray, "6"]:
+    assert frame.T_est is not None
+    return difference(frame.T_est, frame.T_true)

@@ -1,0 +1,91 @@
+"""The study's Table 1 beside ours, and the table by range, as plain text."""
+
+from collections.abc import Mapping, Sequence
+
+from proxnav.evaluation.consistency import Consistency
+from proxnav.evaluation.summary import Summary
+
+STUDY = {
+    "mean_e_t_x_m": 0.2978,
+    "mean_e_t_y_m": 0.2131,
+    "mean_e_t_z_m": 0.3376,
+    "mean_e_r_deg": 4.302,
+    "mean_e_c": 0.1345,
+}
+"""Means over 100 synthetic images from 10 m to 100 m: Keypoint R-CNN, six keypoints, PnP with RANSAC. The study does
+not state the axes of E_T nor its definition of E_C."""
+
+_ROWS = {
+    "mean_e_t_x_m": ("mean E_T, x (right)", "m"),
+    "mean_e_t_y_m": ("mean E_T, y (down)", "m"),
+    "mean_e_t_z_m": ("mean E_T, z (forward)", "m"),
+    "mean_e_t_norm_m": ("mean E_T, norm", "m"),
+    "mean_e_tn": ("mean E_TN = norm / range", "-"),
+    "mean_e_r_deg": ("mean E_R", "deg"),
+    "mean_e_c": ("mean E_C = E_TN + E_R [rad]", "-"),
+}
+
+
+def table1(summary: Summary) -> str:
+    """Means beside the study's, with 95 % intervals; frames without a pose and half-turn confusions are named."""
+    means = dict(zip(list(_ROWS)[:3], summary.mean_e_t_m, strict=True))
+    rows = [("", "unit", "study", "ours", "95 % interval")]
+    for key, (label, unit) in _ROWS.items():
+        low, high = summary.intervals[key]
+        value = means[key] if key in means else getattr(summary, key)
+        study = f"{STUDY[key]:.4g}" if key in STUDY else "-"
+        rows.append((label, unit, study, f"{value:.4g}", f"{low:.4g} .. {high:.4g}"))
+    for label, unit, value in (
+        ("median E_T, norm", "m", summary.median_e_t_norm_m),
+        ("95th percentile E_T, norm", "m", summary.p95_e_t_norm_m),
+        ("median E_R", "deg", summary.median_e_r_deg),
+        ("95th percentile E_R", "deg", summary.p95_e_r_deg),
+        ("median E_C", "-", summary.median_e_c),
+    ):
+        rows.append((label, unit, "-", f"{value:.4g}", ""))
+    return f"{_aligned(rows)}\n\n{_coverage(summary)}\n\n{_definitions(summary)}"
+
+
+def range_table(bins: Mapping[tuple[float, float], Summary]) -> str:
+    """One row per range bin."""
+    rows = [["range [m]", "poses", "E_T [m]", "E_TN", "E_R [deg]", "median E_R", "E_C", "half turns"]]
+    for (near, far), s in bins.items():
+        numbers = (s.mean_e_t_norm_m, s.mean_e_tn, s.mean_e_r_deg, s.median_e_r_deg, s.mean_e_c)
+        cells = [f"{number:.4g}" for number in numbers]
+        rows.append([f"{near:g}-{far:g}", f"{s.poses}/{s.frames}", *cells, str(s.half_turns)])
+    return _aligned(rows)
+
+
+def consistency_line(found: Consistency | None) -> str:
+    """Honesty of the claimed covariances, in one line."""
+    if found is None:
+        return "covariance: the estimates claim none"
+    low, high = found.nees_interval
+    return (
+        f"covariance: mean NEES {found.mean_nees:.2f} over {found.poses} poses (honest: 6, 95 % in {low:.2f} .. "
+        f"{high:.2f}); {100.0 * found.beyond_3_sigma:.1f} % beyond 3 sigma (honest: 0.3 %)"
+    )
+
+
+def _coverage(s: Summary) -> str:
+    without = ", ".join(f"{count} {status}" for status, count in s.statuses.items() if status != "ok")
+    share = 100.0 * s.poses / s.frames
+    return (
+        f"{s.poses} poses in {s.frames} frames ({share:.1f} %); without a pose: {without or 'none'}; "
+        f"half-turn confusions (E_R > 90 deg): {s.half_turns}"
+    )
+
+
+def _definitions(summary: Summary) -> str:
+    rows = [("mean combined error by definition", "ours")]
+    rows += [(name, f"{value:.4g}") for name, value in summary.combined.items()]
+    return _aligned(rows)
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> str:
+    """Columns padded to their widest cell, a rule under the first row; the first column to the left."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    lines = ["  ".join(map(str.rjust, row, widths)) for row in rows]
+    lines = [row[0].ljust(widths[0]) + line[widths[0] :] for row, line in zip(rows, lines, strict=True)]
+    rule = "  ".join("-" * width for width in widths)
+    return "\n".join(line.rstrip() for line in (lines[0], rule, *lines[1:]))
