@@ -43,7 +43,7 @@ def _undistort(xd, yd, k):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cast(px, k, R_target_cam, eye, centre, radius, rays, origins, directions):
-    """Fills rays (n, 3) whose z in the camera is 1, in target axes, and their float32 copies that start near the target.
+    """Fills rays (n, 3) whose z in the camera is 1, in target axes, and float32 copies that start near the target.
 
     Embree works in float32: a ray that starts at the edge of the bounding sphere keeps its precision at any range.
     """

@@ -17,7 +17,7 @@ from proxnav.rendering.raycast.rays import projected_box
 from proxnav.rendering.raycast.view import BATCH, Samples, View, look, trace
 from proxnav.targets import Target
 
-_WIDEST_PENUMBRA_PX = 8
+_WIDEST_PENUMBRA_PX = 32
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ def _fill(frame: Frame, view: View, region: Window, halo: int, config: RaycastCo
 
 
 def _inside(pixels: np.ndarray, window: Window) -> np.ndarray:
-    low = np.array([window.x, window.y])
-    return ((pixels >= low) & (pixels < low + [window.width, window.height])).all(axis=1)
+    x, y = pixels[:, 0] - window.x, pixels[:, 1] - window.y
+    return (x >= 0) & (x < window.width) & (y >= 0) & (y < window.height)
 
 
 def _trace_centres(view: View, pixels: np.ndarray) -> Samples:

@@ -17,12 +17,12 @@ def sun_rays(position, surface, sun, which, origins, directions):
     """
     count = 0
     for i in range(position.shape[0]):
-        s, l = surface[i], sun[i]
-        if s[0] * l[0] + s[1] * l[1] + s[2] * l[2] <= 0.0 or s[3] * l[0] + s[4] * l[1] + s[5] * l[2] <= 0.0:
+        s, d = surface[i], sun[i]
+        if s[0] * d[0] + s[1] * d[1] + s[2] * d[2] <= 0.0 or s[3] * d[0] + s[4] * d[1] + s[5] * d[2] <= 0.0:
             continue
         for k in range(3):
             origins[count, k] = position[i, k] + OFFSET_M * s[3 + k]
-            directions[count, k] = l[k]
+            directions[count, k] = d[k]
         which[count] = i
         count += 1
     return count
@@ -72,12 +72,12 @@ def shade_sun(surface, sun, lit, irradiance, alpha_sun2, radiance):
     for i in range(surface.shape[0]):
         if lit[i] <= 0.0:
             continue
-        s, l = surface[i], sun
-        nl = s[0] * l[0] + s[1] * l[1] + s[2] * l[2]
+        s = surface[i]
+        nl = s[0] * sun[0] + s[1] * sun[1] + s[2] * sun[2]
         nv = s[0] * s[6] + s[1] * s[7] + s[2] * s[8]
         if nl <= 0.0 or nv <= 0.0:
             continue
-        hx, hy, hz = s[6] + l[0], s[7] + l[1], s[8] + l[2]
+        hx, hy, hz = s[6] + sun[0], s[7] + sun[1], s[8] + sun[2]
         h = np.sqrt(hx * hx + hy * hy + hz * hz)
         nh = min(1.0, (s[0] * hx + s[1] * hy + s[2] * hz) / h)
         alpha = np.sqrt(s[13] * s[13] + alpha_sun2)  # the disc widens the lobe of a smooth surface

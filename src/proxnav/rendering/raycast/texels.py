@@ -76,6 +76,8 @@ def _pack(texture: SurfaceTexture) -> np.ndarray:
     packed[..., 4] = np.asarray(texture.roughness) ** 4
     if texture.normal is not None:
         slope = texture.normal[..., :2] / np.maximum(texture.normal[..., 2:], 0.1)
+        if slope.shape[:2] != packed.shape[:2]:
+            slope = cv2.resize(slope, packed.shape[1::-1], interpolation=cv2.INTER_AREA)
         packed[..., 5:7] = slope
         packed[..., 7] = 0.5 * (slope**2).sum(axis=-1)
     return packed
