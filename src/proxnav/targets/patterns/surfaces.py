@@ -6,7 +6,6 @@ import numpy as np
 
 from proxnav.targets.material import MaterialKind
 from proxnav.targets.patterns.pattern import (
-    Field,
     Pattern,
     cell_index,
     edge_distance,
@@ -120,6 +119,13 @@ def _smooth_step(x: np.ndarray, width: float) -> np.ndarray:
     return np.clip(x / width + 0.5, 0.0, 1.0)
 
 
+def _read_only(values: np.ndarray) -> np.ndarray:
+    """The values as read-only float32."""
+    values = np.ascontiguousarray(values, dtype=np.float32)
+    values.setflags(write=False)
+    return values
+
+
 def _pattern(
     tile_m: float,
     tone: np.ndarray,
@@ -130,15 +136,10 @@ def _pattern(
     roughness: np.ndarray,
     height_m: np.ndarray | None,
 ) -> Pattern:
-    def field(values: np.ndarray) -> Field:
-        values = np.ascontiguousarray(values, dtype=np.float32)
-        values.setflags(write=False)
-        return values
-
-    normal = None if height_m is None else field(normals_of_height(np.asarray(height_m, np.float64), tile_m))
-    return Pattern(
-        tile_m, field(tone), field(accent), accent_albedo, accent_metallic, accent_roughness, field(roughness), normal
-    )
+    normal = None if height_m is None else _read_only(normals_of_height(np.asarray(height_m, np.float64), tile_m))
+    fields = _read_only(tone), _read_only(accent)
+    accents = accent_albedo, accent_metallic, accent_roughness
+    return Pattern(tile_m, *fields, *accents, _read_only(roughness), normal)
 
 
 _PATTERNS = {

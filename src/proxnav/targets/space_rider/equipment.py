@@ -58,7 +58,7 @@ def _dish(p: SpaceRiderParams) -> list[Piece]:
 
 
 def _star_trackers(p: SpaceRiderParams) -> list[Piece]:
-    profile = [(-0.26, 0.0), (0.0, 0.085), (0.0, 0.10), (-0.38, 0.065), (-0.38, 0.0)]
+    profile = [(0.0, 0.0), (0.0, 0.10), (-0.38, 0.065), (-0.38, 0.0)]
     baffle = revolve("star_trackers", profile, 20)
     return [aim(baffle, mouth, (0.0, mouth[1], mouth[2])) for mouth in star_tracker_mouths_m(p)]
 

@@ -13,19 +13,16 @@ def orbital_module(p: SpaceRiderParams) -> list[Piece]:
     neck = p.base_x_m - 0.45 * p.adapter_length_m
     adapter = [(p.base_x_m, 0.0), (p.base_x_m, p.adapter_radius_m), (neck, 1.08 * p.adapter_radius_m)]
     pieces = [revolve("adapter", [*adapter, (fore, 0.97 * r), (fore, 0.0)], 48)]
-    pieces += [
-        _ring(fore, r),
-        revolve("module_foil", [(fore, 0.0), (fore, r), (aft, r), (aft, 0.0)], 64),
-        _ring(aft, r),
-    ]
+    pieces += [_ring(fore, r), _drum("module_foil", fore, aft, r), _ring(aft, r)]
     return [*pieces, *_tanks(p), *_engine(p)]
 
 
 def _ring(x: float, radius: float) -> Piece:
-    wide = radius + 0.02
-    return revolve(
-        "module_rims", [(x + RIM_M / 2, 0), (x + RIM_M / 2, wide), (x - RIM_M / 2, wide), (x - RIM_M / 2, 0)], 64
-    )
+    return _drum("module_rims", x + RIM_M / 2, x - RIM_M / 2, radius + 0.02)
+
+
+def _drum(part: str, fore: float, aft: float, radius: float) -> Piece:
+    return revolve(part, [(fore, 0.0), (fore, radius), (aft, radius), (aft, 0.0)], 64)
 
 
 def _tanks(p: SpaceRiderParams) -> list[Piece]:
@@ -38,9 +35,8 @@ def _engine(p: SpaceRiderParams) -> list[Piece]:
     """Mount and bell; the bell is a thin shell, open to the rear."""
     aft, exit_x, wall = p.module_aft_x_m, -p.nose_x_m, 0.012
     throat, length = aft - 0.25 * p.engine_length_m, 0.75 * p.engine_length_m
-    mount = revolve(
-        "engine", [(aft, 0.0), (aft, 0.30 * p.module_radius_m), (throat, p.nozzle_throat_radius_m), (throat, 0)], 32
-    )
+    cone = [(aft, 0.30 * p.module_radius_m), (throat, p.nozzle_throat_radius_m)]
+    mount = revolve("engine", [(aft, 0.0), *cone, (throat, 0.0)], 32)
     steps = [i / 8 for i in range(9)]
     bell = [(throat - length * s, _bell_radius(p, s)) for s in steps]
     inner = [(x, r - wall) for x, r in reversed(bell)]
