@@ -5,14 +5,15 @@ binned, because the network sees the mean of them anyway.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, count, islice
 
 import numpy as np
 
 from proxnav.cluster.local import in_order
 from proxnav.datasets.labelling import mask_box
-from proxnav.datasets.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, Window
+from proxnav.datasets.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
 from proxnav.detection.heatmap.crop import Crop, resample
 from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.geometry import Camera
@@ -24,6 +25,11 @@ from proxnav.sensor.presets import draw_sensor
 from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 from proxnav.targets.visibility import visible_keypoints
+
+QUICK = RaycastConfig(
+    samples=4, sun_samples=4, bounces=0, ambient_rays=12, ambient_spacing_m=1.0, environment_rows=16, reflections=False
+)
+"""Ray casting at the quality that training needs."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,9 @@ class CropConfig:
     shift: float = 0.12
     """Most offset of the crop's centre over the longer side of the box."""
     seed: int = 1
-    raycast: RaycastConfig = field(default_factory=RaycastConfig)
+    raycast: RaycastConfig = QUICK
+    alike: int = 12
+    """Neighbouring samples that share the target's textures: painting them costs more than drawing a crop."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +62,7 @@ class CropJob:
         renderer = RaycastRenderer(target, config.raycast)
 
         def make(index: int) -> TrainingSample:
-            scene = random_scene(index, config.seed, config.scenes, config.target, config.camera, draw_sensor)
+            scene = _scene(index, config)
             rng = np.random.default_rng([config.seed, index, 1])
             return _draw(scene, _jittered(projected_box(target, scene), config, rng), config.side, target, renderer)
 
@@ -73,7 +81,7 @@ class WholeFrameJob:
         renderer = RaycastRenderer(target, config.raycast)
 
         def make(index: int) -> TrainingSample:
-            scene = random_scene(index, config.seed, config.scenes, config.target, config.camera, draw_sensor)
+            scene = _scene(index, config)
             if np.random.default_rng([config.seed, index, 2]).random() < self.empty_share:
                 scene = replace(scene, t_cam_target_m=_BEHIND_M)
             crop = Crop(0, 0, max(config.camera.width, config.camera.height))
@@ -100,10 +108,22 @@ def sample_source(
         drawn = in_order(job, chain.from_iterable(own(n) for n in count(number)), workers, ahead=block // stride)
         while True:
             kept = list(islice(drawn, block // stride))
-            yield from (kept * repeats)[skip:]
+            order = np.random.default_rng([number, start % stride])
+            passes = [kept[i] for _ in range(repeats) for i in order.permutation(len(kept))]
+            yield from passes[skip:]
+            number += 1
             skip = 0
 
     return stream
+
+
+def _scene(index: int, config: CropConfig) -> SceneSpec:
+    """Scene `index`, read by a camera of its own, in the textures of its group."""
+    draw = partial(draw_sensor, base=config.scenes.sensor)
+    scene = random_scene(index, config.seed, config.scenes, config.target, config.camera, draw)
+    looks = np.random.default_rng([config.seed, index // config.alike, 3])
+    texture = TextureSpec(looks.uniform(*config.scenes.texture_strength), int(looks.integers(2**31)))
+    return replace(scene, texture=texture)
 
 
 def projected_box(target: Target, scene: SceneSpec) -> np.ndarray:

@@ -13,14 +13,13 @@ from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.presets import Preset
 from proxnav.scenes.random_scene import random_scene
-from proxnav.sensor.presets import draw_sensor
 from proxnav.targets.loading import load_target
 
 
 def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
     """Scenes of a preset, each a function of (seed, index) alone; `size` resamples the square camera."""
     camera = resized(preset.camera, size)
-    return [random_scene(index, seed, preset.scenes, preset.target, camera, draw_sensor) for index in range(frames)]
+    return [random_scene(index, seed, preset.scenes, preset.target, camera) for index in range(frames)]
 
 
 def resized(camera: Camera, size: int | None) -> Camera:
