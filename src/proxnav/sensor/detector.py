@@ -68,9 +68,10 @@ def digitise(
     electrons: Float[np.ndarray, "height width"], sensor: SensorSpec, exposure: ExposureSpec, window: Window
 ) -> Counts:
     """Read noise, fixed offsets, gain, black level, rounding and clipping to [0, 2^bits - 1]."""
-    dn = np.empty(electrons.shape, dtype=np.uint8 if sensor.bits <= 8 else np.uint16)
-    rows = _line_offsets(noise.stream_key(sensor.serial, "rows"), window.y, len(dn)) * sensor.row_noise_dn
-    columns = _line_offsets(noise.stream_key(sensor.serial, "columns"), window.x, dn.shape[1])
+    height, width = electrons.shape
+    dn = np.empty((height, width), dtype=np.uint8 if sensor.bits <= 8 else np.uint16)
+    rows = _line_offsets(noise.stream_key(sensor.serial, "rows"), window.y, height) * sensor.row_noise_dn
+    columns = _line_offsets(noise.stream_key(sensor.serial, "columns"), window.x, width)
     columns = columns * sensor.column_noise_dn + sensor.black_level_dn
     read, dsnu = noise.stream_key(exposure.seed, "read"), noise.stream_key(sensor.serial, "dsnu")
     K = 1.0 / gain_e_per_dn(sensor)

@@ -59,13 +59,16 @@ def add_flare(rate: np.ndarray, frame: Frame, scene: SceneSpec, camera: Camera) 
     if sun is None:
         return rate
     weights = electrons_per_radiance(scene.sensor) * sun.irradiance
-    maps = _maps(frame, scene, camera, sun)
-    added = sum(shape[..., None] * (colour * weights).astype(np.float32) for shape, colour in maps)
-    disc = _disc(frame.window, camera, sun) * (1.0 - frame.coverage)[..., None] * weights
-    mono = rate.ndim == 2
-    added, disc = (added.sum(axis=-1), disc.sum(axis=-1)) if mono else (added, disc)
-    # a renderer may have drawn the disc already: the brighter of the two is kept
-    return (np.maximum(rate, disc) + added).astype(np.float32)
+    out = rate.copy()
+    _brighten_disc(out, frame, camera, sun, weights)
+    for shape, colour in _maps(frame, scene, camera, sun):
+        out += _coloured(shape, colour * weights, mono=rate.ndim == 2)
+    return out
+
+
+def _coloured(shape: np.ndarray, weights: Float[np.ndarray, "band=3"], mono: bool) -> np.ndarray:
+    """A distribution in electrons per second: summed over the bands, or (h, w, 3)."""
+    return shape * np.float32(weights.sum()) if mono else shape[..., None] * weights.astype(np.float32)
 
 
 def _maps(
@@ -106,20 +109,22 @@ def _disc_cells(window: Window, centre_px: np.ndarray, radius_px: float) -> tupl
     return rows, columns, dx**2 + dy[:, None] ** 2 <= reach**2
 
 
-def _disc(window: Window, camera: Camera, sun: SunInLens) -> Float[np.ndarray, "height width band=3"]:
-    """Radiance [1/sr] of the limb-darkened disc for an irradiance of 1."""
-    image = np.zeros((window.height, window.width, 3), dtype=np.float32)
+def _brighten_disc(
+    rate: np.ndarray, frame: Frame, camera: Camera, sun: SunInLens, weights: Float[np.ndarray, "band=3"]
+) -> None:
+    """Raise `rate` in place to the limb-darkened disc; a renderer may have drawn it already, the brighter is kept."""
     radius = SUN_HALF_ANGLE * camera.fx
-    rows, columns, inside = _disc_cells(window, sun.centre_px, radius + 1.0)
+    rows, columns, inside = _disc_cells(frame.window, sun.centre_px, radius + 1.0)
     if not inside.any():
-        return image
-    y, x = np.mgrid[rows, columns]
-    r = np.hypot(x + 0.5 + window.x - sun.centre_px[0], y + 0.5 + window.y - sun.centre_px[1]) / radius
+        return
+    y, x = np.mgrid[rows, columns] + 0.5
+    r = np.hypot(x + frame.window.x - sun.centre_px[0], y + frame.window.y - sun.centre_px[1]) / radius
     mu = np.sqrt(np.clip(1.0 - r**2, 0.0, 1.0))[..., None]
-    soft = np.clip((1.0 - r) * radius + 0.5, 0.0, 1.0)[..., None]
+    soft = np.clip((1.0 - r) * radius + 0.5, 0.0, 1.0) * (1.0 - frame.coverage[rows, columns])
     mean = 1.0 - _DARKENING / 3.0
-    image[rows, columns] = soft * (1.0 - _DARKENING * (1.0 - mu)) / (mean * np.pi * SUN_HALF_ANGLE**2)
-    return image
+    profile = soft[..., None] * (1.0 - _DARKENING * (1.0 - mu)) / (mean * np.pi * SUN_HALF_ANGLE**2)
+    disc = profile * weights
+    rate[rows, columns] = np.maximum(rate[rows, columns], disc.sum(axis=-1) if rate.ndim == 2 else disc)
 
 
 def scatter(window: Window, camera: Camera, sun: SunInLens) -> Float[np.ndarray, "height width"]:

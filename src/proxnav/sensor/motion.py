@@ -10,10 +10,12 @@ from proxnav.geometry import Camera
 def target_velocity_px(
     point_cam_m: Float[np.ndarray, "3"], exposure: ExposureSpec, camera: Camera
 ) -> Float[np.ndarray, "2"]:
-    """Image velocity [px/s] of a point that moves with the target: J (v - omega x r)."""
+    """Image velocity [px/s] of a point of the target, which moves as its origin does: J v.
+
+    The target's own rotation is left out: at 1 deg/s and 2 m from its origin it adds 35 um in 1 ms.
+    """
     r = np.asarray(point_cam_m, dtype=np.float64)
-    v = np.array(exposure.v_cam_target_mps) - np.cross(exposure.omega_cam_radps, r)
-    return camera.projection_jacobian(r) @ v
+    return camera.projection_jacobian(r) @ np.array(exposure.v_cam_target_mps)
 
 
 def background_velocity_px(

@@ -83,9 +83,9 @@ class ExposureSpec:
     temperature_c: float = 20.0
     """Of the detector [C]."""
     v_cam_target_mps: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Velocity of the target's origin relative to the camera, as seen without rotation (inertial derivative), in the
-    camera's axes: R_cam_eci (v_eci_target - v_eci_chaser)."""
+    """Velocity of the target's origin as the camera sees it: the time derivative of t_cam_target, camera rate included.
+    What is far away moves in the image by the camera's rate alone."""
     omega_cam_radps: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Inertial rate of the camera, in its own axes. What the image sees is v - omega x r."""
+    """Inertial rate of the camera, in its own axes."""
     seed: int = 0
     """Of the temporal noise: another seed is another exposure by the same camera."""
