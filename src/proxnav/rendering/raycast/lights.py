@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from proxnav.datasets.records import SceneSpec
 from proxnav.datasets.records.scene import SUN_HALF_ANGLE
+from proxnav.rendering.earth import environment_map
 from proxnav.rendering.raycast.config import RaycastConfig
 from proxnav.rendering.raycast.environment import Environment, build_environment
 from proxnav.rendering.raycast.light_cache import OFFSET_M, gather
@@ -47,11 +48,7 @@ def light_up(scene: SceneSpec, model: Model, textures: TexelTable, config: Rayca
     sun = np.array(scene.sun.direction_target, dtype=np.float64)
     sun /= np.linalg.norm(sun)
     sun_irradiance = np.array(scene.sun.irradiance) * scene.sun.visible_fraction
-    sky = None
-    if scene.earth is not None:
-        from proxnav.rendering.earth import environment_map
-
-        sky = environment_map(scene, config.environment_rows)
+    sky = None if scene.earth is None else environment_map(scene, config.environment_rows)
     environment = build_environment(_NO_SKY if sky is None else sky)
     indirect, exitance = _gathered(model, textures, sun, sun_irradiance, sky, config)
     return Lights(sun, sun_irradiance, environment, indirect, exitance)

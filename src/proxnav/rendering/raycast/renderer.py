@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float32
 from proxnav.datasets.records import Frame, SceneSpec, Window
 from proxnav.datasets.records.scene import SUN_HALF_ANGLE
 from proxnav.geometry import Camera
+from proxnav.rendering.earth import background_image
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast.config import RaycastConfig
 from proxnav.rendering.raycast.lights import light_up
@@ -40,12 +41,7 @@ class RaycastRenderer:
         camera = camera or scene.camera
         window = window or Window(0, 0, camera.width, camera.height)
         foreground = self._foreground(scene, camera, window)
-        if scene.earth is None:
-            background = np.zeros_like(foreground.radiance)
-        else:
-            from proxnav.rendering.earth import background_image
-
-            background = background_image(scene, camera, window)
+        background = background_image(scene, camera, window)
         radiance = foreground.radiance + (1.0 - foreground.coverage[..., None]) * background
         return Frame(window, radiance.astype(np.float32), foreground.depth_m, foreground.part, foreground.coverage)
 
