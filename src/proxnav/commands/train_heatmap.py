@@ -36,6 +36,8 @@ class TrainCropOptions:
     """Pixels of the network's input: start small, finish large."""
     workers: int = 1
     """Processes that draw."""
+    repeats: int = 4
+    """Times that a drawn image is learnt from, each time as another view."""
     seed: int = 1
     """Of the scenes."""
     validation: int = 256
@@ -55,6 +57,8 @@ class TrainFinderOptions:
     """Pixels of the network's input."""
     workers: int = 1
     """Processes that draw."""
+    repeats: int = 4
+    """Times that a drawn image is learnt from, each time as another view."""
     seed: int = 2
     """Of the scenes."""
     training: TrainFinderConfig = field(default_factory=TrainFinderConfig)
@@ -68,7 +72,7 @@ def crop(argv: list[str]) -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     write_json(options.out / "config.json", asdict(options) | {"out": None}, indent=1)
     validate = _validation(replace(crops, seed=_VALIDATION_SEED, scenes=presets.OBSERVATION), options.validation)
-    result = train_heatmap(training, sample_source(CropJob(crops), options.workers), options.out, validate)
+    result = train_heatmap(training, sample_source(CropJob(crops), options.workers, options.repeats), options.out, validate)
     print(f"{result.reason}: {result.samples} crops seen, best validation {result.best_score:.3f} px; {result.weights}")
 
 
@@ -76,7 +80,7 @@ def finder(argv: list[str]) -> None:
     """Entry of `proxnav train finder`."""
     options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
     frames = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
-    result = train_finder(options.training, sample_source(WholeFrameJob(frames), options.workers), options.out)
+    result = train_finder(options.training, sample_source(WholeFrameJob(frames), options.workers, options.repeats), options.out)
     print(f"{result.reason}: {result.samples} frames seen; {result.weights}")
 
 
