@@ -25,7 +25,7 @@ def gaussian(image: np.ndarray, sigma_px: float) -> np.ndarray:
 
 @lru_cache(maxsize=256)
 def _lindeberg(sigma_px: float) -> np.ndarray:
-    radius = max(2, int(np.ceil(4.0 * sigma_px)))
+    radius = 2 + int(np.ceil(4.0 * sigma_px))
     kernel = ive(np.abs(np.arange(-radius, radius + 1)), sigma_px**2)
     return (kernel / kernel.sum()).astype(np.float32)
 
@@ -54,7 +54,8 @@ def _disc(diameter_px: float) -> Float[np.ndarray, "n_points 2"]:
     angle = k * np.pi * (3.0 - np.sqrt(5.0))
     points = np.sqrt(k / count)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     points -= points.mean(axis=0)
-    return points * (0.25 * diameter_px / points.std(axis=0))
+    whiten = np.linalg.inv(np.linalg.cholesky(np.cov(points.T, bias=True)))
+    return points @ whiten.T * (0.25 * diameter_px)
 
 
 def _splat(points_px: Float[np.ndarray, "n_points 2"]) -> Kernel:
