@@ -4,22 +4,51 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from proxnav.cluster.local import run_jobs
-from proxnav.datasets.dataset import Dataset
-from proxnav.datasets.records import SceneSpec
+from proxnav.datasets.dataset import Dataset, encode_png
+from proxnav.datasets.files import write_atomic, write_json
+from proxnav.datasets.records import SceneSpec, Trajectory
+from proxnav.datasets.speed import PoseRecord, write_poses
 from proxnav.datasets.writer import DatasetWriter
+from proxnav.estimator import PoseEstimator
+from proxnav.evaluation.consistency import Consistency, consistency
+from proxnav.evaluation.metrics import metrics
+from proxnav.evaluation.pairing import Frame, pair
+from proxnav.evaluation.summary import Summary, by_range, summarise_frames
+from proxnav.evaluation.table import consistency_line, range_table, table1
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.presets import Preset
+from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.scenes.random_scene import random_scene
 from proxnav.targets.loading import load_target
+from proxnav.trajectories import select, spread
+from proxnav.viewing.overlay import caption, overlay
+
+RANGE_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 200.0, 400.0, 1e6)
+"""Bins of the table by range."""
 
 
 def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
     """Scenes of a preset, each a function of (seed, index) alone; `size` resamples the square camera."""
     camera = resized(preset.camera, size)
     return [random_scene(index, seed, preset.scenes, preset.target, camera) for index in range(frames)]
+
+
+def follow(trajectory: Trajectory, preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
+    """`frames` scenes spread evenly over the sunlit part of a trajectory; over all of it if the Sun never shines."""
+    lit = trajectory.sun_visible > 0.5
+    seen = spread(select(trajectory, lit) if lit.any() else trajectory, frames)
+    camera = resized(preset.camera, size)
+    config = SceneConfig(sensor=preset.scenes.sensor, cloud_seed=seed, sequence=seen.source)
+    return [
+        scene_at(seen, k, index=k, target=preset.target, camera=camera, config=config, seed=seed)
+        for k in range(len(seen))
+    ]
 
 
 def resized(camera: Camera, size: int | None) -> Camera:
@@ -71,3 +100,70 @@ def _share_cores(config: FrameConfig, workers: int) -> FrameConfig:
     if config.threads or workers <= 1:
         return config
     return replace(config, threads=max(1, (os.cpu_count() or 1) // workers))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judgement:
+    """Estimates of a data set beside its truth."""
+
+    records: tuple[PoseRecord, ...]
+    truth: tuple[PoseRecord, ...]
+    frames: tuple[Frame, ...]
+    summary: Summary
+    consistency: Consistency | None
+
+    def metrics(self) -> dict[str, Any]:
+        """The numbers of `metrics.json`."""
+        return metrics(self.summary, self.consistency)
+
+    def text(self) -> str:
+        """The study's Table 1 beside ours, errors by range, honesty of the covariances."""
+        bins = by_range(self.frames, RANGE_EDGES_M)
+        return f"{table1(self.summary)}\n\n{range_table(bins)}\n\n{consistency_line(self.consistency)}"
+
+
+def judge(records: Sequence[PoseRecord], dataset: Dataset) -> Judgement:
+    """Errors of the estimates of a data set."""
+    truth = truth_of(dataset)
+    frames = pair({record.filename: record for record in records}, {record.filename: record for record in truth})
+    return Judgement(tuple(records), truth, frames, summarise_frames(frames), consistency(frames))
+
+
+def truth_of(dataset: Dataset) -> tuple[PoseRecord, ...]:
+    """The true poses of a data set."""
+    return tuple(PoseRecord(label.filename, label.T_cam_target, "truth") for label in dataset.labels)
+
+
+def write_run(out: Path, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator, worst: int = 10) -> None:
+    """poses.json, truth.json, metrics.json, and overlays of the worst, median and best frames."""
+    write_poses(out / "poses.json", judgement.records)
+    write_poses(out / "truth.json", judgement.truth)
+    write_json(out / "metrics.json", judgement.metrics(), indent=1)
+    errors = [np.inf if frame.errors is None else frame.errors.e_c for frame in judgement.frames]
+    for rank, index in telling(np.argsort(errors), worst):
+        write_atomic(out / "overlays" / f"{rank}.png", encode_png(draw(index, judgement, dataset, estimator)))
+
+
+def telling(order: np.ndarray, count: int) -> list[tuple[str, int]]:
+    """(name, frame) of the `count` best, median and worst frames of an order from best to worst; each frame once."""
+    n, middle = len(order), max(0, (len(order) - count) // 2)
+    picked = {"best": range(min(count, n)), "median": range(middle, min(middle + count, n))}
+    picked["worst"] = range(max(0, n - count), n)
+    named: dict[int, str] = {}
+    for kind, places in picked.items():
+        for place in places:
+            named.setdefault(place, f"{kind}-{place:04d}")
+    return [(name, int(order[place])) for place, name in named.items()]
+
+
+def draw(index: int, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator) -> np.ndarray:
+    """One frame with what was found in it and what is true."""
+    frame, image = judgement.frames[index], dataset.image(index)
+    canvas = overlay(
+        image, dataset.camera, frame.T_est, frame.T_true, estimator.points_target_m, estimator.detect(image)
+    )
+    found, errors = frame.status, frame.errors
+    if errors is not None:
+        turn = np.degrees(errors.e_r_rad)
+        found = f"E_T {errors.e_t_norm_m:.2f} m, E_R {turn:.2f} deg, E_C {errors.e_c:.4f}"
+    return caption(canvas, [f"{frame.filename}  range {frame.range_m:.1f} m", found])

@@ -1,14 +1,26 @@
 """Named scenarios as Python objects; a command takes one by name and overrides single fields."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.scenes.random_scene import RandomSceneConfig
 from proxnav.scenes.random_sun import SunConfig
 from proxnav.scenes.random_view import ViewConfig
 from proxnav.sensor.presets import SPEED_CLASS
+from proxnav.trajectories import (
+    OBSERVATION_10_100_STRICT,
+    SROC_200_350,
+    ApproachConfig,
+    FlightConfig,
+    HoldConfig,
+    hold,
+    straight_approach,
+    walking_safety_ellipse,
+)
 
 NAVIGATION_CAMERA = Camera(width=1024, height=1024, fx=1407.0, fy=1407.0, cx=512.0, cy=512.0)
 """40 deg on 1024 px."""
@@ -23,12 +35,15 @@ class Preset:
     name: str
     target: str = "space-rider"
     camera: Camera = NAVIGATION_CAMERA
-    scenes: RandomSceneConfig = field(default_factory=RandomSceneConfig)
-    """Frames drawn one by one; a trajectory file or generator takes their place where one is named."""
+    scenes: RandomSceneConfig = field(default_factory=lambda: OBSERVATION)
+    """Frames drawn one by one; of a trajectory only what it leaves open (the sensor) is taken from here."""
     frames: int = 100
     trajectory: str = ""
-    """Name of a trajectory generator; empty for random scenes."""
+    """Name of one of `FLIGHTS`; empty for random scenes."""
 
+
+_DAYLIGHT = FlightConfig(epoch_utc="2024-11-01T00:30:00Z")
+"""The target comes out of Earth's shadow as the flight begins."""
 
 OBSERVATION = RandomSceneConfig(
     view=ViewConfig(range_m=(10.0, 100.0), roll_limit_rad=math.radians(30.0), partial_share=0.05),
@@ -56,14 +71,20 @@ PRESETS = {
     for preset in (
         Preset("observation-10-100m", scenes=OBSERVATION),
         Preset("study", scenes=STUDY, frames=5000),
-        Preset("spiral-10-100m", scenes=OBSERVATION, trajectory="observation-10-100m", frames=200),
-        Preset(
-            "sroc-200-350m",
-            camera=PAYLOAD_CAMERA,
-            scenes=RandomSceneConfig(view=ViewConfig(range_m=(200.0, 350.0)), sensor=SPEED_CLASS),
-        ),
+        Preset("spiral-10-100m", trajectory="spiral-10-100m", frames=200),
+        Preset("approach-100-10m", trajectory="approach-100-10m", frames=200),
+        Preset("sroc-200-350m", camera=PAYLOAD_CAMERA, trajectory="spiral-200-350m", frames=200),
     )
 }
+
+
+FLIGHTS: dict[str, Callable[[], Trajectory]] = {
+    "spiral-10-100m": lambda: walking_safety_ellipse(OBSERVATION_10_100_STRICT, _DAYLIGHT),
+    "spiral-200-350m": lambda: walking_safety_ellipse(SROC_200_350, _DAYLIGHT),
+    "approach-100-10m": lambda: straight_approach(ApproachConfig(), _DAYLIGHT),
+    "hold-30m": lambda: hold(HoldConfig(), _DAYLIGHT),
+}
+"""Trajectories by name."""
 
 
 def preset(name: str) -> Preset:
@@ -71,3 +92,10 @@ def preset(name: str) -> Preset:
     if name not in PRESETS:
         raise InputError(f"no preset '{name}'; one of {', '.join(PRESETS)}")
     return PRESETS[name]
+
+
+def flight(name: str) -> Trajectory:
+    """The trajectory of that name; InputError lists the others."""
+    if name not in FLIGHTS:
+        raise InputError(f"no trajectory '{name}'; one of {', '.join(FLIGHTS)}, or give a file")
+    return FLIGHTS[name]()

@@ -72,7 +72,8 @@ def crop(argv: list[str]) -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     write_json(options.out / "config.json", asdict(options) | {"out": None}, indent=1)
     validate = _validation(replace(crops, seed=_VALIDATION_SEED, scenes=presets.OBSERVATION), options.validation)
-    result = train_heatmap(training, sample_source(CropJob(crops), options.workers, options.repeats), options.out, validate)
+    source = sample_source(CropJob(crops), options.workers, options.repeats)
+    result = train_heatmap(training, source, options.out, validate)
     print(f"{result.reason}: {result.samples} crops seen, best validation {result.best_score:.3f} px; {result.weights}")
 
 
@@ -80,7 +81,8 @@ def finder(argv: list[str]) -> None:
     """Entry of `proxnav train finder`."""
     options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
     frames = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
-    result = train_finder(options.training, sample_source(WholeFrameJob(frames), options.workers, options.repeats), options.out)
+    source = sample_source(WholeFrameJob(frames), options.workers, options.repeats)
+    result = train_finder(options.training, source, options.out)
     print(f"{result.reason}: {result.samples} frames seen; {result.weights}")
 
 

@@ -106,7 +106,7 @@ def _learner(
     groups = [{"params": decayed, "weight_decay": config.weight_decay}, {"params": free, "weight_decay": 0.0}]
     return Learner(
         model=as_channels_last(net),
-        optimizer=torch.optim.AdamW(groups, lr=config.rate, betas=(0.9, 0.99)),
+        optimizer=torch.optim.AdamW(groups, lr=config.rate, betas=(0.9, 0.99), fused=True),
         rate=warm_up_then_cosine(config.rate, config.loop.steps),
         collate=collate,
         loss=loss,
