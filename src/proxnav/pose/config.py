@@ -28,8 +28,8 @@ class PoseConfig:
     """Robust loss of the refinement, on top of the gate."""
     loss_sigma: float = 2.5
     """Standard deviations at which the robust loss leaves the square."""
-    ambiguity: float = 9.0
-    """Refuse when another pose fits nearly as well: least difference of the squared normalised errors."""
+    ambiguity: float = 4.0
+    """Refuse when another pose fits nearly as well: least difference of the squared normalised errors (4: odds of 7 to 1)."""
     inflation: Literal["residual", "none"] = "residual"
     """`residual` widens the covariance when the residuals are larger than the keypoint covariances say."""
     enumerate_up_to: int = 10

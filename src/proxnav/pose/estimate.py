@@ -24,6 +24,8 @@ from proxnav.pose.kernels.refinement import to_wxyz
 
 _DEFAULTS = PoseConfig()
 _FAR_APART = 16.0  # squared 4 sigma: a rival closer than this is covered by the covariance
+_MIRROR_MARGIN = 25.0  # squared 5 sigma
+_MIRROR_RATIO = 1e-4  # a hundred times smaller residuals: exact data
 
 
 def estimate_pose(
@@ -79,7 +81,7 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
     noise2 = min(1.0, max(reduced, 1e-9)) if noise_unknown else 1.0
     if _is_ambiguous(fit, covariance, config.ambiguity * noise2):
         return PoseResult.failure("no_consensus", len(data.keep))
-    if _belongs_behind(fit, data, noise_unknown, config):
+    if _belongs_behind(fit, data, config):
         return PoseResult.failure("behind_camera", len(data.keep))
     if config.inflation == "residual":
         covariance = covariance * max(1.0, reduced)
@@ -88,11 +90,13 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
     return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data))
 
 
-def _belongs_behind(fit: Fit, data: Correspondences, noise_unknown: bool, config: PoseConfig) -> bool:
-    """Whether the mirrored pose behind the camera fits clearly better, as after a sign error in the pixels."""
+def _belongs_behind(fit: Fit, data: Correspondences, config: PoseConfig) -> bool:
+    """Whether the mirrored pose behind the camera fits far better, as after a sign error in the pixels.
+
+    From far away the two differ by less than the noise, so chance must not decide.
+    """
     behind = cost_behind(fit, data, config)
-    noise2 = min(1.0, max(behind / max(2 * len(data.X) - 6, 1), 1e-9)) if noise_unknown else 1.0
-    return behind + config.ambiguity * noise2 < fit.cost
+    return behind + _MIRROR_MARGIN < fit.cost or behind < _MIRROR_RATIO * fit.cost
 
 
 def _covariance(H: Float[np.ndarray, "6 6"]) -> Float[np.ndarray, "6 6"] | None:
