@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from proxnav.rendering.earth.atmosphere import R_TOP, Air, march, mie_phase, rayleigh_phase
+from proxnav.rendering.earth.atmosphere import R_TOP, march, mie_phase, rayleigh_phase
 from proxnav.rendering.earth.ellipsoid import A_M, near_hit
 
 N_NADIR, N_AZIMUTH = 72, 40
@@ -33,6 +33,8 @@ class Aerial(NamedTuple):
     """Of the eye, in stretched space [m]."""
     mu_sun: float
     """Cosine of the Sun's zenith angle at the eye."""
+    work: np.ndarray
+    """(12) room for one path."""
 
 
 def empty(radius: float, mu_sun: float) -> Aerial:
@@ -41,7 +43,7 @@ def empty(radius: float, mu_sun: float) -> Aerial:
     top = edge[2] if radius > R_TOP else -1.0
     bounds = np.array([[edge[0], 1.0], [edge[1], 1.0], [edge[0], top]])
     nodes = np.zeros((3, N_NADIR, N_AZIMUTH, 12), dtype=np.float32)
-    return Aerial(nodes, np.zeros((3, N_NADIR, N_AZIMUTH), dtype=np.bool_), bounds, radius, mu_sun)
+    return Aerial(nodes, np.zeros((3, N_NADIR, N_AZIMUTH), dtype=np.bool_), bounds, radius, mu_sun, np.empty(12))
 
 
 @njit(cache=True, nogil=True)
@@ -59,7 +61,7 @@ def _fill(aerial, transmittance, multiple, kind, i, j):
         length = near_hit(1.0, r0 * mu, shell, r0)
         if length < 0.0:  # the horizon node itself, missed by rounding
             length = -r0 * mu
-    out = np.empty(12)
+    out = aerial.work
     march(transmittance, multiple, r0, mu, mu_sun, nu, length, STEPS, out)
     for k in range(12):
         aerial.nodes[kind, i, j, k] = out[k]
@@ -67,8 +69,8 @@ def _fill(aerial, transmittance, multiple, kind, i, j):
 
 
 @njit(cache=True, nogil=True)
-def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, light, through):
-    """Scattered light per unit Sun irradiance [1/sr] into `light` (3) and transmittance into `through` (3)."""
+def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, out):
+    """Scattered light per unit Sun irradiance [1/sr] into out[:3] and transmittance of the path into out[3:6]."""
     edge, end = aerial.bounds[kind, 0], aerial.bounds[kind, 1]
     x = math.sqrt(min(1.0, max(0.0, (down - edge) / (end - edge)))) * (N_NADIR - 1)
     y = min(1.0, max(0.0, 0.5 * (1.0 - cos_azimuth))) * (N_AZIMUTH - 1)
@@ -77,20 +79,17 @@ def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, light, th
         for dj in range(2):
             if not aerial.done[kind, i + di, j + dj]:
                 _fill(aerial, transmittance, multiple, kind, i + di, j + dj)
-    fx, fy = np.float32(x - i), np.float32(y - j)
-    one = np.float32(1.0)
-    w00, w01, w10, w11 = (one - fx) * (one - fy), (one - fx) * fy, fx * (one - fy), fx * fy
-    a, b = aerial.nodes[kind, i, j], aerial.nodes[kind, i, j + 1]
-    c, d = aerial.nodes[kind, i + 1, j], aerial.nodes[kind, i + 1, j + 1]
+    fx, fy = x - i, y - j
+    w00, w01, w10, w11 = (1.0 - fx) * (1.0 - fy), (1.0 - fx) * fy, fx * (1.0 - fy), fx * fy
+    n = aerial.nodes
     phase_r, phase_m = rayleigh_phase(nu), mie_phase(nu)
     for k in range(3):
-        r = w00 * a[k] + w01 * b[k] + w10 * c[k] + w11 * d[k]
-        m = w00 * a[3 + k] + w01 * b[3 + k] + w10 * c[3 + k] + w11 * d[3 + k]
-        iso = w00 * a[6 + k] + w01 * b[6 + k] + w10 * c[6 + k] + w11 * d[6 + k]
-        light[k] = phase_r * r + phase_m * m + iso
-        through[k] = w00 * a[9 + k] + w01 * b[9 + k] + w10 * c[9 + k] + w11 * d[9 + k]
+        r = _mix(n, kind, i, j, k, w00, w01, w10, w11)
+        m = _mix(n, kind, i, j, 3 + k, w00, w01, w10, w11)
+        out[k] = phase_r * r + phase_m * m + _mix(n, kind, i, j, 6 + k, w00, w01, w10, w11)
+        out[3 + k] = _mix(n, kind, i, j, 9 + k, w00, w01, w10, w11)
 
 
-def tables(air: Air) -> tuple[np.ndarray, np.ndarray]:
-    """What `look` needs of the atmosphere."""
-    return air.transmittance, air.multiple
+@njit(cache=True, nogil=True, inline="always")
+def _mix(n, a, i, j, k, w00, w01, w10, w11):
+    return w00 * n[a, i, j, k] + w01 * n[a, i, j + 1, k] + w10 * n[a, i + 1, j, k] + w11 * n[a, i + 1, j + 1, k]

@@ -2,7 +2,8 @@
 
 Single scattering by Rayleigh and Mie particles and absorption by ozone over exponential profiles, after E. Bruneton and
 F. Neyret, "Precomputed atmospheric scattering", EGSR 2008; higher orders as an isotropic source after S. Hillaire,
-"A scalable and production ready sky and atmosphere rendering technique", EGSR 2020. Bands: 600-700, 500-600, 400-500 nm.
+"A scalable and production ready sky and atmosphere rendering technique", EGSR 2020.
+Bands: 600-700, 500-600, 400-500 nm.
 """
 
 import math
@@ -30,7 +31,7 @@ SUN_HALF_ANGLE = 4.65e-3  # rad; softens the edge of Earth's shadow
 _T_R, _T_MU = 64, 256
 _MS_H, _MS_MU = 24, 48
 SUN_NODES = 1024
-SUN_MU_MIN, SUN_MU_MAX = -0.25, 1.0
+SUN_MU_MIN, SUN_MU_MAX = -0.31, 1.0  # to the end of astronomical twilight
 
 
 class Air(NamedTuple):
@@ -80,6 +81,11 @@ def _transmittance_table(n_r, n_mu, steps):
     return table
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _mix(table, i, j, k, w00, w01, w10, w11):
+    return w00 * table[i, j, k] + w01 * table[i, j + 1, k] + w10 * table[i + 1, j, k] + w11 * table[i + 1, j + 1, k]
+
+
 @njit(cache=True, nogil=True)
 def sun_transmittance(table, r, mu):
     """Share of the Sun's light (three bands) that reaches radius r [m] where its zenith angle has cosine mu.
@@ -109,11 +115,10 @@ def sun_transmittance(table, r, mu):
     j, i = min(int(x), _T_MU - 2), min(int(y), _T_R - 2)
     fx, fy = x - j, y - i
     w00, w01, w10, w11 = (1 - fy) * (1 - fx), (1 - fy) * fx, fy * (1 - fx), fy * fx
-    a, b2, c, e = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
     return (
-        disc * (w00 * a[0] + w01 * b2[0] + w10 * c[0] + w11 * e[0]),
-        disc * (w00 * a[1] + w01 * b2[1] + w10 * c[1] + w11 * e[1]),
-        disc * (w00 * a[2] + w01 * b2[2] + w10 * c[2] + w11 * e[2]),
+        disc * _mix(table, i, j, 0, w00, w01, w10, w11),
+        disc * _mix(table, i, j, 1, w00, w01, w10, w11),
+        disc * _mix(table, i, j, 2, w00, w01, w10, w11),
     )
 
 
@@ -124,11 +129,10 @@ def _multiple_lookup(table, h, mu):
     j, i = min(int(x), _MS_MU - 2), min(int(y), _MS_H - 2)
     fx, fy = x - j, y - i
     w00, w01, w10, w11 = (1 - fy) * (1 - fx), (1 - fy) * fx, fy * (1 - fx), fy * fx
-    a, b, c, e = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
     return (
-        w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * e[0],
-        w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * e[1],
-        w00 * a[2] + w01 * b[2] + w10 * c[2] + w11 * e[2],
+        _mix(table, i, j, 0, w00, w01, w10, w11),
+        _mix(table, i, j, 1, w00, w01, w10, w11),
+        _mix(table, i, j, 2, w00, w01, w10, w11),
     )
 
 
@@ -143,12 +147,12 @@ def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
     t_start = 0.0
     if r0 > R_TOP:
         t_start = near_hit(1.0, r0 * mu, R_TOP, r0)
-    out[:9] = 0.0
-    out[9:] = 1.0
+    for k in range(12):
+        out[k] = 0.0 if k < 9 else 1.0
     if t_start < 0.0 or t_end <= t_start:
         return
     t_low = min(max(-r0 * mu, t_start), t_end)  # where the path is lowest
-    tau = np.zeros(3)
+    tau0, tau1, tau2 = 0.0, 0.0, 0.0
     before, after = t_low - t_start, t_end - t_low
     n_before = steps if after <= 0.0 else (0 if before <= 0.0 else steps // 2)
     for s in range(steps):
@@ -164,20 +168,25 @@ def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
         h = max(0.0, r - A_M)
         air, aerosol, ozone = densities(h)
         mu_sun = (r0 * mu_sun0 + t * nu) / r
-        s0, s1, s2 = sun_transmittance(transmittance, r, mu_sun)
-        m0, m1, m2 = _multiple_lookup(multiple, h, mu_sun)
-        sun, higher = (s0, s1, s2), (m0, m1, m2)
-        for k in range(3):
-            scatter_r, scatter_m = RAYLEIGH[k] * air, MIE_ALBEDO * MIE_EXTINCTION[k] * aerosol
-            extinction = RAYLEIGH[k] * air + MIE_EXTINCTION[k] * aerosol + OZONE[k] * ozone
-            d_tau = extinction * dt
-            through = math.exp(-tau[k]) * (dt if d_tau < 1e-4 else (1.0 - math.exp(-d_tau)) / extinction)
-            out[k] += scatter_r * sun[k] * through
-            out[3 + k] += scatter_m * sun[k] * through
-            out[6 + k] += (scatter_r + scatter_m) * higher[k] * through
-            tau[k] += d_tau
-    for k in range(3):
-        out[9 + k] = math.exp(-tau[k])
+        sun = sun_transmittance(transmittance, r, mu_sun)
+        higher = _multiple_lookup(multiple, h, mu_sun)
+        tau0 += _gather(out, 0, tau0, dt, air, aerosol, ozone, sun[0], higher[0])
+        tau1 += _gather(out, 1, tau1, dt, air, aerosol, ozone, sun[1], higher[1])
+        tau2 += _gather(out, 2, tau2, dt, air, aerosol, ozone, sun[2], higher[2])
+    out[9], out[10], out[11] = math.exp(-tau0), math.exp(-tau1), math.exp(-tau2)
+
+
+@njit(cache=True, nogil=True)
+def _gather(out, k, tau, dt, air, aerosol, ozone, sun, higher):
+    """Adds the light of one step of a path in band k; returns the step's optical depth."""
+    scatter_r, scatter_m = RAYLEIGH[k] * air, MIE_ALBEDO * MIE_EXTINCTION[k] * aerosol
+    extinction = RAYLEIGH[k] * air + MIE_EXTINCTION[k] * aerosol + OZONE[k] * ozone
+    d_tau = extinction * dt
+    through = math.exp(-tau) * (dt if d_tau < 1e-4 else (1.0 - math.exp(-d_tau)) / extinction)
+    out[k] += scatter_r * sun * through
+    out[3 + k] += scatter_m * sun * through
+    out[6 + k] += (scatter_r + scatter_m) * higher * through
+    return d_tau
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -197,7 +206,6 @@ def mie_phase(nu):
 @njit(cache=True, nogil=True)
 def _multiple_table(transmittance, n_h, n_mu, steps):
     """Hillaire's geometric series: second-order light, times 1 / (1 - share that is scattered again)."""
-    none = np.zeros((2, 2, 3), dtype=np.float32)
     dark = np.zeros((_MS_H, _MS_MU, 3), dtype=np.float32)
     table = np.empty((n_h, n_mu, 3), dtype=np.float32)
     ones = np.ones((_MS_H, _MS_MU, 3), dtype=np.float32)

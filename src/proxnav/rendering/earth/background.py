@@ -12,8 +12,9 @@ from proxnav.rendering.earth import atmosphere, sun
 from proxnav.rendering.earth.aerial import Aerial, empty
 from proxnav.rendering.earth.clouds import clouds
 from proxnav.rendering.earth.ellipsoid import stretched
+from proxnav.rendering.earth.image import draw, lattice_rays, shade_many
 from proxnav.rendering.earth.imagery import ground_pyramid
-from proxnav.rendering.earth.shading import Eye, World, scratch, shade_many
+from proxnav.rendering.earth.state import SIZE, Eye, World
 
 
 @cache
@@ -52,8 +53,13 @@ def _radiance(
         return _empty_space(scene, directions) if show_sun else out
     eye, aerial, R_ecef_target = _eye(scene, r_target_eye_m, show_sun)
     world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
-    shade_many(eye, world, aerial, scratch(), directions @ R_ecef_target.T, pixel_rad, out)
+    shade_many(eye, world, aerial, *_scratch(), directions @ R_ecef_target.T, pixel_rad, out)
     return out
+
+
+def _scratch() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Room for one ray: air, state, map reading."""
+    return np.zeros(6), np.zeros(SIZE, dtype=np.float32), np.zeros(7)
 
 
 def _empty_space(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
@@ -85,14 +91,39 @@ def background_image(
 ) -> Float[np.ndarray, "h w 3"]:
     """Mean radiance [W/(m^2 sr)] of each pixel of a window of the (distorted) camera, without the target."""
     n = supersample
-    x = window.x + (np.arange(window.width * n) + 0.5) / n
-    y = window.y + (np.arange(window.height * n) + 0.5) / n
-    pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    rays = camera.unproject(pixels)
+    if n > 1:
+        fine = Window(window.x * n, window.y * n, window.width * n, window.height * n)
+        image = background_image(scene, camera.resized(camera.width * n, camera.height * n), fine)
+        return image.reshape(window.height, n, window.width, n, 3).mean(axis=(1, 3), dtype=np.float32)
+    if scene.earth is None:
+        return _empty_image(scene, camera, window)
+    eye, aerial, R_ecef_target = _eye(scene, _camera_position(scene), show_sun=True)
+    R_ecef_cam = R_ecef_target @ scene.T_cam_target.R.T
+    world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
+    out = np.zeros((window.height, window.width, 3), dtype=np.float32)
+    rays = lattice_rays(camera)
+    draw(eye, world, aerial, *_scratch(), rays, R_ecef_cam, window.x, window.y, 1.0 / camera.fx, out)
+    return out
+
+
+def _empty_image(scene: SceneSpec, camera: Camera, window: Window) -> np.ndarray:
+    out = np.zeros((window.height, window.width, 3), dtype=np.float32)
+    sun_cam = scene.T_cam_target.R @ np.array(scene.sun.direction_target)
+    if sun_cam[2] <= 0.0:
+        return out
+    reach = 2.0 * sun.HALF_ANGLE * max(camera.fx, camera.fy) / sun_cam[2] ** 2 + 2.0
+    centre = camera.project(sun_cam)
+    low = np.maximum(np.floor(centre - reach), (window.x, window.y))
+    high = np.minimum(np.ceil(centre + reach), (window.x + window.width, window.y + window.height))
+    if not (low < high).all():
+        return out
+    (x0, y0), (x1, y1) = low.astype(int), high.astype(int)
+    pixels = np.stack(np.meshgrid(np.arange(x0, x1) + 0.5, np.arange(y0, y1) + 0.5), axis=-1)
+    rays = camera.unproject(pixels).reshape(-1, 3)
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
-    directions = np.ascontiguousarray(rays @ scene.T_cam_target.R)
-    fine = _radiance(scene, _camera_position(scene), directions, 1.0 / (n * camera.fx), show_sun=True)
-    return fine.reshape(window.height, n, window.width, n, 3).mean(axis=(1, 3), dtype=np.float32)
+    part = _empty_space(scene, rays @ scene.T_cam_target.R).reshape(y1 - y0, x1 - x0, 3)
+    out[y0 - window.y : y1 - window.y, x0 - window.x : x1 - window.x] = part
+    return out
 
 
 def environment_map(scene: SceneSpec, rows: int = 32) -> Float[np.ndarray, "rows cols 3"]:

@@ -1,4 +1,4 @@
-"""How much cloud stands over a point: weather at large, fractal detail from 200 km down to 300 m."""
+"""How much cloud stands over a point: weather at large, fractal detail from 250 km down to 300 m, and thin high cloud."""
 
 import math
 from functools import cache
@@ -11,11 +11,13 @@ from proxnav.rendering.earth import noise
 from proxnav.rendering.earth.ellipsoid import A_M
 from proxnav.rendering.earth.weather import COLUMNS, ROWS, weather
 
-PERIODS_M = (1100e3, 130e3, 15e3)
+PERIODS_M = (1100e3, 140e3, 17e3)
 """m, periods of the three layers of detail; each holds wavelengths from a quarter to a fiftieth of it."""
-WEIGHTS = (0.115, 0.085, 0.050)
-SOFTNESS = 0.22
-"""Width of the edge of a cloud in units of the field."""
+WEIGHTS = (0.110, 0.075, 0.040)
+NONE = 10.0
+"""Threshold of a sky without cloud."""
+EDGE = 0.10
+"""Field above the threshold at which a cloud is opaque."""
 
 
 class Clouds(NamedTuple):
@@ -30,60 +32,97 @@ class Clouds(NamedTuple):
     offsets: np.ndarray
     """(3, 3) of the layers of detail, in periods."""
     threshold: float
-    """Field value at which cloud begins; above 9 there is none."""
+    """Field value at which cloud begins."""
+    thin: float
+    """Value of the high field at which thin cloud begins."""
 
 
 @njit(cache=True, nogil=True)
-def _bilinear(image, column, row):
-    i = math.floor(row)
-    j = math.floor(column)
+def _moisture(clouds, lon, lat, turn):
+    column = (lon / (2.0 * math.pi) + 0.5 + turn) * COLUMNS - 0.5 + clouds.shift
+    row = (0.5 - lat / math.pi) * ROWS - 0.5
+    if clouds.mirror:
+        row = ROWS - 1 - row
+    i, j = math.floor(row), math.floor(column)
     fy, fx = row - i, column - j
     i0, i1 = min(max(int(i), 0), ROWS - 1), min(max(int(i) + 1, 0), ROWS - 1)
     j0, j1 = int(j) % COLUMNS, (int(j) + 1) % COLUMNS
+    image = clouds.weather
     top = (1.0 - fx) * image[i0, j0] + fx * image[i0, j1]
     return (1.0 - fy) * top + fy * ((1.0 - fx) * image[i1, j0] + fx * image[i1, j1])
 
 
 @njit(cache=True, nogil=True)
-def field(clouds, x, y, z, lon, lat, footprint_m):
-    """Cloudiness above a point of the unit sphere (x, y, z): cloud where it exceeds the threshold.
+def fade(footprint_m, period):
+    """Weight of a layer of detail for rays as wide as `footprint_m`: what is finer than a ray must not alias."""
+    return min(1.0, max(0.0, 1.0 - (footprint_m - 0.025 * period) / (0.10 * period)))
 
-    Detail finer than `footprint_m` fades out, so that it does not alias.
+
+@njit(cache=True, nogil=True)
+def large(clouds, x, y, z, lon, lat, footprint_m):
+    """(field, heap, warp): weather and the first layer of detail above a point of the unit sphere.
+
+    heap in [0, 1] says how much the detail is heaps rather than sheets; warp bends the finer layers.
     """
-    column = (lon / (2.0 * math.pi) + 0.5) * COLUMNS - 0.5 + clouds.shift
-    row = (0.5 - lat / math.pi) * ROWS - 0.5
-    if clouds.mirror:
-        row = ROWS - 1 - row
-    moisture = _bilinear(clouds.weather, column, row)
-    value = moisture
-    warp = 0.0
-    for layer in range(3):
-        period = PERIODS_M[layer]
-        fade = 1.0 - (footprint_m - 0.02 * period) / (0.10 * period)
-        if fade <= 0.0:
-            break
-        scale = A_M / period
-        o = clouds.offsets[layer]
-        bend = 0.035 * warp
-        a, b = noise.sample(clouds.noise, x * scale + o[0] + bend, y * scale + o[1] - bend, z * scale + o[2] + bend)
-        # Smooth decks where it is moist, heaps where it is dry.
-        heap = min(1.0, max(0.0, 1.35 - 1.2 * moisture))
-        warp = a
-        value += WEIGHTS[layer] * min(1.0, fade) * ((1.0 - heap) * a + heap * (0.45 * a + 0.75 * b))
+    moisture = _moisture(clouds, lon, lat, 0.0)
+    heap = min(1.0, max(0.0, 1.45 - 1.3 * moisture))
+    weight = fade(footprint_m, PERIODS_M[0])
+    if weight <= 0.0:
+        return moisture, heap, 0.0
+    s = A_M / PERIODS_M[0]
+    o = clouds.offsets
+    a, b = noise.sample(clouds.noise, x * s + o[0, 0], y * s + o[0, 1], z * s + o[0, 2])
+    return moisture + WEIGHTS[0] * weight * ((1.0 - 0.5 * heap) * a + 0.5 * heap * b), heap, a
+
+
+@njit(cache=True, nogil=True)
+def fine(clouds, layer, x, y, z, heap, warp):
+    """Detail of the second (1) or third (2) layer, of unit size."""
+    s = A_M / PERIODS_M[layer]
+    o = clouds.offsets
+    bend = 0.05 * warp
+    a, b = noise.sample(
+        clouds.noise, x * s + o[layer, 0] + bend, y * s + o[layer, 1] - bend, z * s + o[layer, 2] + bend
+    )
+    return (1.0 - heap) * a + heap * (0.4 * a + 0.8 * b)
+
+
+@njit(cache=True, nogil=True)
+def field(clouds, x, y, z, lon, lat, footprint_m):
+    """The whole field: cloud where it exceeds the threshold."""
+    value, heap, warp = large(clouds, x, y, z, lon, lat, footprint_m)
+    for layer in range(1, 3):
+        weight = fade(footprint_m, PERIODS_M[layer])
+        if weight > 0.0:
+            value += WEIGHTS[layer] * weight * fine(clouds, layer, x, y, z, heap, warp)
     return value
 
 
-@njit(cache=True, nogil=True, inline="always")
-def density(clouds, value):
-    """Density in [0, 1] of a field value."""
-    x = (value - clouds.threshold) / SOFTNESS
-    return min(1.0, max(0.0, x))
+@njit(cache=True, nogil=True)
+def opacity(clouds, value):
+    """Share of light that a cloud of this field value keeps from what lies below, seen from straight above."""
+    x = (value - clouds.threshold) / EDGE
+    return 0.0 if x <= 0.0 else 1.0 - math.exp(-1.6 * x - 1.5 * x * x)
+
+
+@njit(cache=True, nogil=True)
+def cirrus(clouds, x, y, z, lon, lat, footprint_m):
+    """Opacity of thin high cloud, drawn out along its own weather."""
+    value = _moisture(clouds, lon, lat, 0.37) - clouds.thin
+    if value <= -0.25:
+        return 0.0
+    weight = fade(footprint_m, 400e3)
+    if weight > 0.0:
+        o = clouds.offsets
+        a, _ = noise.sample(clouds.noise, x * 9.0 + o[1, 0], y * 9.0 + o[2, 0], z * 26.0 + 0.8 * value)
+        value += 0.12 * weight * a
+    return min(0.45, 0.9 * max(0.0, value))
 
 
 @njit(cache=True, nogil=True)
 def _field_at(clouds, points, out):
     for i in range(len(points)):
-        x, y, z = points[i]
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
         out[i] = field(clouds, x, y, z, math.atan2(y, x), math.asin(z), 300.0)
 
 
@@ -92,16 +131,16 @@ def clouds(cover: float, seed: int) -> Clouds:
     """The field whose mean cover is `cover`; every seed is other weather."""
     rng = np.random.default_rng([seed, 20])
     shift, mirror, offsets = rng.uniform(0, COLUMNS), bool(rng.integers(2)), rng.random((3, 3))
-    bare = Clouds(weather(), noise.table(), float(shift), mirror, offsets, 10.0)
+    bare = Clouds(weather(), noise.table(), float(shift), mirror, offsets, NONE, 1.0 - 0.6 * cover)
     return bare if cover <= 0.0 else bare._replace(threshold=_threshold(bare, cover))
 
 
 def _threshold(bare: Clouds, cover: float) -> float:
-    """Quantile of the field over points spread evenly on the sphere; half the edge counts as cloud."""
+    """Quantile of the field over points spread evenly on the sphere."""
     i = np.arange(20_000) + 0.5
     z = 1.0 - 2.0 * i / len(i)
     turn = np.pi * (1.0 + np.sqrt(5.0)) * i
     ring = np.sqrt(1.0 - z * z)
     out = np.empty(len(i))
     _field_at(bare, np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=-1), out)
-    return float(np.quantile(out, max(0.0, 1.0 - cover))) - 0.35 * SOFTNESS
+    return float(np.quantile(out, max(0.0, 1.0 - cover))) - 0.25 * EDGE

@@ -66,26 +66,12 @@ def sample(noise, x, y, z):
     i1, j1, k1 = (i0 + 1) & mask, (j0 + 1) & mask, (k0 + 1) & mask
     gx, gy, gz = 1.0 - fx, 1.0 - fy, 1.0 - fz
     w00, w01, w10, w11 = gx * gy, gx * fy, fx * gy, fx * fy
-    a = gz * (
-        w00 * noise[i0, j0, k0, 0]
-        + w01 * noise[i0, j1, k0, 0]
-        + w10 * noise[i1, j0, k0, 0]
-        + w11 * noise[i1, j1, k0, 0]
-    ) + fz * (
-        w00 * noise[i0, j0, k1, 0]
-        + w01 * noise[i0, j1, k1, 0]
-        + w10 * noise[i1, j0, k1, 0]
-        + w11 * noise[i1, j1, k1, 0]
-    )
-    b = gz * (
-        w00 * noise[i0, j0, k0, 1]
-        + w01 * noise[i0, j1, k0, 1]
-        + w10 * noise[i1, j0, k0, 1]
-        + w11 * noise[i1, j1, k0, 1]
-    ) + fz * (
-        w00 * noise[i0, j0, k1, 1]
-        + w01 * noise[i0, j1, k1, 1]
-        + w10 * noise[i1, j0, k1, 1]
-        + w11 * noise[i1, j1, k1, 1]
-    )
+    w = (w00, w01, w10, w11)
+    a = gz * _four(noise, i0, i1, j0, j1, k0, 0, w) + fz * _four(noise, i0, i1, j0, j1, k1, 0, w)
+    b = gz * _four(noise, i0, i1, j0, j1, k0, 1, w) + fz * _four(noise, i0, i1, j0, j1, k1, 1, w)
     return a, b
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _four(n, i0, i1, j0, j1, k, c, w):
+    return w[0] * n[i0, j0, k, c] + w[1] * n[i0, j1, k, c] + w[2] * n[i1, j0, k, c] + w[3] * n[i1, j1, k, c]

@@ -5,9 +5,10 @@ import math
 import numpy as np
 from numba import njit
 
-from proxnav.rendering.earth.imagery import BLUE, CITY, GREEN, RED, SLOPE_EAST, SLOPE_NORTH, WATER
+from proxnav.rendering.earth import noise
+from proxnav.rendering.earth.imagery import BLUE, CITY, GREEN, RED, SLOPE_EAST, SLOPE_NORTH
 
-WIND_MPS = 6.0  # m/s at 12.5 m, mean over the sea
+WIND_MPS = 5.0  # m/s at 12.5 m, mean over the sea
 WATER_REFLECTANCE = np.array([0.006, 0.016, 0.030])  # diffuse, from below the surface of clear ocean
 RELIEF = 0.35  # slope of the terrain at full scale of the relief map
 
@@ -42,6 +43,14 @@ def glint(cos_view, cos_sun, cos_between, wind):
 
 
 @njit(cache=True, nogil=True)
+def wind_mps(table, x, y, z):
+    """Wind over the sea at a point of the unit sphere: calm patches and fresh ones, 20 to 500 km wide."""
+    gusts, _ = noise.sample(table, x * 3.1, y * 3.1, z * 3.1)
+    streaks, _ = noise.sample(table, x * 21.0, y * 21.0, z * 21.0)
+    return max(1.0, WIND_MPS * (1.0 + 0.35 * gusts + 0.15 * streaks))
+
+
+@njit(cache=True, nogil=True)
 def read_ground(level, lon, lat, out):
     """Channels of a ground map, bilinear, decoded into `out` (7)."""
     rows, columns = level.shape[0], level.shape[1]
@@ -51,10 +60,8 @@ def read_ground(level, lon, lat, out):
     i0, i1 = min(max(int(i), 0), rows - 1), min(max(int(i) + 1, 0), rows - 1)
     j0, j1 = int(j) % columns, (int(j) + 1) % columns
     w00, w01, w10, w11 = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx, fy * (1.0 - fx), fy * fx
-    a, b, c, d = level[i0, j0], level[i0, j1], level[i1, j0], level[i1, j1]
     for k in range(7):
-        out[k] = w00 * a[k] + w01 * b[k] + w10 * c[k] + w11 * d[k]
-    out[RED], out[GREEN], out[BLUE] = (out[RED] / 255.0) ** 2, (out[GREEN] / 255.0) ** 2, (out[BLUE] / 255.0) ** 2
-    out[WATER] /= 255.0
-    out[SLOPE_EAST], out[SLOPE_NORTH] = (out[SLOPE_EAST] - 128.0) / 128.0, (out[SLOPE_NORTH] - 128.0) / 128.0
-    out[CITY] = (out[CITY] / 255.0) ** 2
+        mix = w00 * level[i0, j0, k] + w01 * level[i0, j1, k] + w10 * level[i1, j0, k] + w11 * level[i1, j1, k]
+        out[k] = mix / 255.0
+    out[RED], out[GREEN], out[BLUE], out[CITY] = out[RED] ** 2, out[GREEN] ** 2, out[BLUE] ** 2, out[CITY] ** 2
+    out[SLOPE_EAST], out[SLOPE_NORTH] = 2.0 * out[SLOPE_EAST] - 1.0, 2.0 * out[SLOPE_NORTH] - 1.0

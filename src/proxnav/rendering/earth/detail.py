@@ -1,0 +1,102 @@
+"""What varies from pixel to pixel: ground, shore, waves and the edges and faces of clouds, on top of a ray's state."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from proxnav.rendering.earth import clouds as cl
+from proxnav.rendering.earth import noise
+from proxnav.rendering.earth import state as s
+from proxnav.rendering.earth.ellipsoid import A_M
+from proxnav.rendering.earth.imagery import CITY, LEVELS, SLOPE_EAST, SLOPE_NORTH, WATER
+from proxnav.rendering.earth.surface import RELIEF, WATER_REFLECTANCE, read_ground
+
+CITY_RADIANCE = np.array([1.6e-3, 1.1e-3, 0.5e-3])  # W/(m^2 sr) of a bright city centre
+CLOUD_HEIGHT_M = 7e3  # m, height of a cloud's top per unit of field: what its shading sees
+
+
+@njit(cache=True, nogil=True)
+def _level(footprint_m, texel_m):
+    level = 0
+    while level < LEVELS - 1 and footprint_m > 1.5 * texel_m:
+        texel_m *= 2.0
+        level += 1
+    return level
+
+
+@njit(cache=True, nogil=True)
+def _ground(eye, world, st, m, out):
+    footprint = st[s.FOOTPRINT]
+    level = _level(footprint, 2.0 * math.pi * A_M / world.ground[0].shape[1])
+    read_ground(world.ground[level], st[s.LON], st[s.LAT], m)
+    rough, fine = 0.0, 0.0
+    if footprint < 4e3:
+        x, y, z = st[s.X], st[s.X + 1], st[s.X + 2]
+        rough, _ = noise.sample(world.clouds.noise, x * 130.0, y * 130.0, z * 130.0)
+        rough *= 1.0 - footprint / 4e3
+        if footprint < 900.0:
+            fine, _ = noise.sample(world.clouds.noise, x * 900.0, y * 900.0, z * 900.0)
+            fine *= 1.0 - footprint / 900.0
+    water = m[WATER]
+    if 0.02 < water < 0.98:
+        water = min(1.0, max(0.0, (water + 0.16 * rough + 0.10 * fine - 0.5) * 4.0 + 0.5))
+    clear = 1.0 - 0.85 * st[s.SHADOW]
+    sun = st[s.MU] - RELIEF * (m[SLOPE_EAST] * st[s.SUN_EAST] + m[SLOPE_NORTH] * st[s.SUN_NORTH]) * (1.0 - water)
+    lit = min(1.0, max(0.0, sun)) * clear
+    grain = max(0.4, 1.0 + 0.13 * rough + 0.10 * fine)
+    for k in range(3):
+        albedo = m[k] * grain * (1.0 - water) + WATER_REFLECTANCE[k] * water
+        sea = water * (st[s.MIRROR + k] * clear + st[s.MIRROR_SKY] * st[s.DIFFUSE + k])
+        lamps = m[CITY] * CITY_RADIANCE[k] * st[s.NIGHT + k]
+        out[k] = albedo * (st[s.DIRECT + k] * lit + st[s.DIFFUSE + k]) + sea + lamps + st[s.AIR + k]
+
+
+@njit(cache=True, nogil=True)
+def _cloud_field(world, st):
+    """Value of the whole field and its slope towards the Sun [1/m]."""
+    c = world.clouds
+    value, slope, footprint = st[s.VALUE], st[s.SLOPE], st[s.FOOTPRINT]
+    if value < c.threshold - 0.45:
+        return value, slope
+    x, y, z, heap, warp = st[s.CX], st[s.CX + 1], st[s.CX + 2], st[s.HEAP], st[s.WARP]
+    for layer in range(1, 3):
+        weight = cl.fade(footprint, cl.PERIODS_M[layer])
+        if weight <= 0.0:
+            break
+        weight *= cl.WEIGHTS[layer]
+        here = cl.fine(c, layer, x, y, z, heap, warp)
+        value += weight * here
+        if value > c.threshold - 0.1:
+            step = max(1.3 * footprint, 0.012 * cl.PERIODS_M[layer])
+            d = step / A_M
+            t = s.TOWARD
+            there = cl.fine(c, layer, x + d * st[t], y + d * st[t + 1], z + d * st[t + 2], heap, warp)
+            slope += weight * (there - here) / step
+    return value, slope
+
+
+@njit(cache=True, nogil=True)
+def _over(st, share, albedo, lit, out):
+    for k in range(3):
+        white = albedo * (st[s.C_DIRECT + k] * st[s.C_MU] * lit + 0.6 * st[s.C_DIFFUSE + k]) + st[s.C_AIR + k]
+        out[k] += share * (white - out[k])
+
+
+@njit(cache=True, nogil=True)
+def radiance(eye, world, ends, st, m, out):
+    """Radiance [W/(m^2 sr)] of a ray that ends on Earth, from its state; `m` (7) is room for a map reading."""
+    value, slope, share = 0.0, 0.0, 0.0
+    clouded = world.clouds.threshold < cl.NONE
+    if clouded:
+        value, slope = _cloud_field(world, st)
+        share = cl.opacity(world.clouds, value)
+        share = 1.0 - (1.0 - share) ** st[s.C_SLANT]
+    if ends == s.ON_GROUND and share < 0.998:
+        _ground(eye, world, st, m, out)
+    if share > 0.0:
+        lit = min(1.3, max(0.30, 1.0 - 0.55 * CLOUD_HEIGHT_M * slope * st[s.C_TILT]))
+        thick = max(0.0, value - world.clouds.threshold)
+        _over(st, share, 0.84 - 0.42 * math.exp(-thick / 0.16), lit, out)
+    if clouded and st[s.CIRRUS] > 0.0:
+        _over(st, 1.0 - (1.0 - st[s.CIRRUS]) ** st[s.C_SLANT], 0.62, 1.0, out)

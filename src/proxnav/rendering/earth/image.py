@@ -1,0 +1,164 @@
+"""A whole image of Earth: states on a lattice of blocks, interpolated where they vary gently, exact where they do not.
+
+The lattice is fixed to the full image, so a pixel gets the same value in every window that holds it.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numba import njit
+
+from proxnav.geometry import Camera
+from proxnav.rendering.earth import state as s
+from proxnav.rendering.earth import sun
+from proxnav.rendering.earth.detail import radiance
+from proxnav.rendering.earth.ellipsoid import A_M
+
+BLOCK = 8
+"""px, side of a block of the lattice."""
+
+
+@lru_cache(maxsize=4)
+def lattice_rays(camera: Camera) -> np.ndarray:
+    """(rows, columns, 3) rays with z = 1 through the corners of the blocks; NaN where the lens has none."""
+    x = np.arange(-(-camera.width // BLOCK) + 1) * float(BLOCK)
+    y = np.arange(-(-camera.height // BLOCK) + 1) * float(BLOCK)
+    rays = camera.unproject(np.stack(np.meshgrid(x, y), axis=-1))
+    rays.setflags(write=False)
+    return rays
+
+
+@njit(cache=True, nogil=True)
+def shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, out):
+    """Radiance [W/(m^2 sr)] down one unit ray in Earth-fixed axes, Sun's disc included."""
+    for k in range(3):
+        out[k] = 0.0
+    ends = s.ray_state(eye, world, aerial, work, dx, dy, dz, pixel_rad, st)
+    if ends != s.ON_GROUND and eye.show_sun:
+        nu = dx * eye.sun[0] + dy * eye.sun[1] + dz * eye.sun[2]
+        for k in range(3):
+            through = 1.0 if ends == s.BEYOND or not eye.atmosphere else st[s.DIRECT + k]
+            out[k] = sun.disc(nu, k) * through * eye.irradiance[k]
+    if ends == s.IN_AIR or ends == s.ON_CLOUD:
+        for k in range(3):
+            out[k] += st[s.AIR + k]
+    if ends == s.ON_GROUND or ends == s.ON_CLOUD:
+        radiance(eye, world, ends, st, m, out)
+
+
+@njit(cache=True, nogil=True)
+def shade_many(eye, world, aerial, work, st, m, directions, pixel_rad, out):
+    """`shade_ray` for rays (n, 3); rays that are not numbers stay dark."""
+    value = np.zeros(3)
+    for i in range(len(directions)):
+        dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
+        if dx == dx:
+            shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, value)
+            for k in range(3):
+                out[i, k] = value[k]
+
+
+@njit(cache=True, nogil=True)
+def _unit(x, y, z):
+    n = 1.0 / math.sqrt(x * x + y * y + z * z)
+    return x * n, y * n, z * n
+
+
+@njit(cache=True, nogil=True)
+def _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends):
+    for i in range(states.shape[0]):
+        for j in range(states.shape[1]):
+            a, b, c = rays[i0 + i, j0 + j, 0], rays[i0 + i, j0 + j, 1], rays[i0 + i, j0 + j, 2]
+            ends[i, j] = -1
+            if a == a:
+                x = R[0, 0] * a + R[0, 1] * b + R[0, 2] * c
+                y = R[1, 0] * a + R[1, 1] * b + R[1, 2] * c
+                z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * c
+                x, y, z = _unit(x, y, z)
+                ends[i, j] = s.ray_state(eye, world, aerial, work, x, y, z, pixel_rad, states[i, j])
+
+
+@njit(cache=True, nogil=True)
+def _is_gentle(st, i, j):
+    """Whether the four states around a block may be interpolated: landing points err by less than half a pixel."""
+    lon_min, lon_max, cos_min = 9.0, -9.0, 1.0
+    for a in range(2):
+        for b in range(2):
+            lon_min, lon_max = min(lon_min, st[i + a, j + b, s.LON]), max(lon_max, st[i + a, j + b, s.LON])
+            cos_min = min(cos_min, st[i + a, j + b, s.COS_VIEW])
+    if lon_max - lon_min > 0.5 or abs(st[i, j, s.X + 2]) > 0.996:
+        return False
+    d2 = 0.0
+    for k in range(3):
+        one = st[i + 1, j + 1, k] - st[i, j, k]
+        two = st[i + 1, j, k] - st[i, j + 1, k]
+        d2 += max(one * one, two * two)
+    return d2 / (8.0 * cos_min * cos_min) < 0.5 * st[i, j, s.FOOTPRINT] / A_M
+
+
+@njit(cache=True, nogil=True)
+def draw(eye, world, aerial, work, st, m, rays, R, x0, y0, pixel_rad, out):
+    """Fills `out` (h, w, 3), the window whose first pixel is (x0, y0); R turns camera axes to Earth-fixed axes."""
+    h, w = out.shape[0], out.shape[1]
+    i0, j0 = y0 // BLOCK, x0 // BLOCK
+    n_i, n_j = (y0 + h - 1) // BLOCK - i0 + 1, (x0 + w - 1) // BLOCK - j0 + 1
+    states = np.empty((n_i + 1, n_j + 1, s.SIZE), dtype=np.float32)
+    ends = np.empty((n_i + 1, n_j + 1), dtype=np.int64)
+    _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends)
+    left, right = np.empty(s.SIZE, dtype=np.float32), np.empty(s.SIZE, dtype=np.float32)
+    value = np.empty(3)
+    sun_cam = np.empty(3)
+    for k in range(3):
+        sun_cam[k] = R[0, k] * eye.sun[0] + R[1, k] * eye.sun[1] + R[2, k] * eye.sun[2]
+    for i in range(n_i):
+        for j in range(n_j):
+            low, high = 99, -99
+            for a in range(2):
+                for b in range(2):
+                    low, high = min(low, ends[i + a, j + b]), max(high, ends[i + a, j + b])
+            gentle = low == s.ON_GROUND and _is_gentle(states, i, j)
+            if high == s.BEYOND and low == s.BEYOND and not _near(rays, i0 + i, j0 + j, sun_cam, pixel_rad):
+                continue
+            py0, py1 = max((i0 + i) * BLOCK, y0), min((i0 + i + 1) * BLOCK, y0 + h)
+            px0, px1 = max((j0 + j) * BLOCK, x0), min((j0 + j + 1) * BLOCK, x0 + w)
+            for py in range(py0, py1):
+                fy = np.float32((py + 0.5) / BLOCK - (i0 + i))
+                if gentle:
+                    for k in range(s.SIZE):
+                        left[k] = states[i, j, k] + fy * (states[i + 1, j, k] - states[i, j, k])
+                        right[k] = states[i, j + 1, k] + fy * (states[i + 1, j + 1, k] - states[i, j + 1, k])
+                        right[k] -= left[k]
+                for px in range(px0, px1):
+                    fx = np.float32((px + 0.5) / BLOCK - (j0 + j))
+                    if gentle:
+                        for k in range(s.SIZE):
+                            st[k] = left[k] + fx * right[k]
+                        radiance(eye, world, s.ON_GROUND, st, m, value)
+                    else:
+                        dx, dy, dz = _ray(rays, i0 + i, j0 + j, fy, fx, R)
+                        if not dx == dx:
+                            continue
+                        shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, value)
+                    for k in range(3):
+                        out[py - y0, px - x0, k] = value[k]
+
+
+@njit(cache=True, nogil=True)
+def _ray(rays, i, j, fy, fx, R):
+    """Unit ray in Earth-fixed axes inside a block; between corners the lens is straight to 0.01 px."""
+    w00, w01, w10, w11 = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx, fy * (1.0 - fx), fy * fx
+    a = w00 * rays[i, j, 0] + w01 * rays[i, j + 1, 0] + w10 * rays[i + 1, j, 0] + w11 * rays[i + 1, j + 1, 0]
+    b = w00 * rays[i, j, 1] + w01 * rays[i, j + 1, 1] + w10 * rays[i + 1, j, 1] + w11 * rays[i + 1, j + 1, 1]
+    x = R[0, 0] * a + R[0, 1] * b + R[0, 2]
+    y = R[1, 0] * a + R[1, 1] * b + R[1, 2]
+    z = R[2, 0] * a + R[2, 1] * b + R[2, 2]
+    return _unit(x, y, z)
+
+
+@njit(cache=True, nogil=True)
+def _near(rays, i, j, sun_cam, pixel_rad):
+    """Whether a block may hold part of the Sun's disc."""
+    x, y, z = _unit(rays[i, j, 0], rays[i, j, 1], rays[i, j, 2])
+    reach = sun.HALF_ANGLE + 1.5 * BLOCK * pixel_rad
+    return x * sun_cam[0] + y * sun_cam[1] + z * sun_cam[2] > math.cos(min(3.0, reach))
