@@ -1,12 +1,34 @@
 """A target by name or by file."""
 
+from functools import lru_cache
+from pathlib import Path
+
 from proxnav.errors import InputError
+from proxnav.targets.from_mesh import from_mesh
 from proxnav.targets.space_rider import space_rider
 from proxnav.targets.target import Target
+from proxnav.targets.target_files import read_target, save_target
+
+__all__ = ["from_mesh", "load_target", "save_target"]
+
+GENERATED = {"space-rider": space_rider}
 
 
 def load_target(name_or_path: str) -> Target:
-    """The target of that name."""
-    if name_or_path == "space-rider":
-        return space_rider()
-    raise InputError(f"no target '{name_or_path}'; expected space-rider")
+    """`space-rider`, a target.json (or its folder), or a GLB, OBJ, STL or PLY file in metres.
+
+    The same file gives the same object, so that what is built from it (ray casters, textures) is built once.
+    """
+    if name_or_path in GENERATED:
+        return GENERATED[name_or_path]()
+    path = Path(name_or_path)
+    path = path / "target.json" if path.is_dir() else path
+    if not path.is_file():
+        raise InputError(f"no target '{name_or_path}'; expected {', '.join(GENERATED)}, a target.json or a mesh file")
+    return _from_file(str(path.resolve()), path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=4)
+def _from_file(path: str, changed_ns: int) -> Target:
+    del changed_ns  # part of the cache's key: an edited file is read again
+    return read_target(path) if path.lower().endswith(".json") else from_mesh(path)
