@@ -55,10 +55,10 @@ def test_estimates_without_covariance_claim_nothing(rng: np.random.Generator) ->
 
 
 def test_efficiency_is_one_at_the_bound_and_two_at_twice_the_error(rng: np.random.Generator) -> None:
-    truth, covariance = truth_along(rng, rng.uniform(10.0, 100.0, 3000)), correlated(rng)
+    truth, covariance = truth_along(rng, rng.uniform(10.0, 100.0, 800)), correlated(rng)
     bounds = dict.fromkeys(truth, covariance)
     for factor in (1.0, 2.0):
         frames = pair(disturbed(truth, factor**2 * covariance, rng), truth)
         for found in efficiency_by_range(frames, bounds, (0.0, 50.0, 150.0)).values():
-            assert found.translation == pytest.approx(factor, rel=0.1)
-            assert found.rotation == pytest.approx(factor, rel=0.1)
+            assert found.translation == pytest.approx(factor, rel=0.15)
+            assert found.rotation == pytest.approx(factor, rel=0.15)

@@ -248,3 +248,12 @@ def test_lists_are_welcome() -> None:
 def test_solving_needs_no_torch() -> None:
     code = "import sys, proxnav.pose.estimate; sys.exit(any(m in sys.modules for m in ('torch', 'cv2', 'ray', 'bpy')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"sigma_px": 0.0}, {"min_inliers": 3}, {"min_inlier_share": 1.5}, {"confidence": 1.0}, {"gate_sigma": -1.0}],
+)
+def test_configurations_without_meaning_are_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        PoseConfig(**wrong)  # pyright: ignore

@@ -14,9 +14,9 @@ _EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 20
 class EvaluateConfig:
     """Compares poses with the truth and prints the study's Table 1 beside these, then the errors by range."""
 
-    estimates: Annotated[Path, tyro.conf.Positional]
+    estimates: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="ESTIMATES")]
     """poses.json of `proxnav estimate` or `proxnav solve`, or any file of SPEED or SPEED+ records."""
-    truth: Annotated[Path, tyro.conf.Positional]
+    truth: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="TRUTH")]
     """Labels in the same form; images that have no estimate are counted as frames without a pose."""
     json: bool = False
     """Print one JSON object instead of the tables."""

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from proxnav.errors import InputError
+
 
 @dataclass(frozen=True)
 class PoseConfig:
@@ -29,7 +31,7 @@ class PoseConfig:
     loss_sigma: float = 2.5
     """Standard deviations at which the robust loss leaves the square."""
     ambiguity: float = 4.0
-    """Refuse when another pose fits nearly as well: least difference of the squared normalised errors (4: odds of 7 to 1)."""
+    """Refuse when another pose fits nearly as well: least gap of the squared normalised errors (4: odds of 7 to 1)."""
     inflation: Literal["residual", "none"] = "residual"
     """`residual` widens the covariance when the residuals are larger than the keypoint covariances say."""
     enumerate_up_to: int = 10
@@ -40,3 +42,15 @@ class PoseConfig:
     """Probability of having drawn one subset of inliers, at which drawing stops."""
     seed: int = 0
     """Of the draw; the same input always gives the same pose."""
+
+    def __post_init__(self) -> None:
+        for name in ("sigma_px", "max_sigma_px", "gate_sigma", "loss_sigma", "max_samples"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"pose configuration: {name} must be positive, found {getattr(self, name)}")
+        if self.min_inliers < 4:
+            raise InputError(f"pose configuration: min_inliers must be at least 4, found {self.min_inliers}")
+        if not (0.0 <= self.min_inlier_share <= 1.0 and 0.0 < self.confidence < 1.0):
+            raise InputError(
+                "pose configuration: min_inlier_share must lie in [0, 1] and confidence in (0, 1), "
+                f"found {self.min_inlier_share} and {self.confidence}"
+            )
