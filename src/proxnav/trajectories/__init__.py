@@ -11,6 +11,8 @@ from proxnav.trajectories.generators import (
     straight_approach,
 )
 from proxnav.trajectories.orbit import OrbitConfig
+from proxnav.trajectories.read import read_trajectory
+from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.safety_ellipse import (
     OBSERVATION_10_100,
     OBSERVATION_10_100_STRICT,
@@ -29,12 +31,14 @@ __all__ = [
     "HoldConfig",
     "OrbitConfig",
     "PointingConfig",
+    "ReaderConfig",
     "SafetyEllipseConfig",
     "ShellConfig",
     "assemble",
     "clip_range",
     "hold",
     "random_shell",
+    "read_trajectory",
     "select",
     "spread",
     "straight_approach",

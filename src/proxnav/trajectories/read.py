@@ -1,0 +1,199 @@
+"""Trajectory files of other tools as one Trajectory: formats are recognised by content, roles by name or order."""
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.datasets.records import Trajectory
+from proxnav.errors import InputError
+from proxnav.geometry import quaternion
+from proxnav.geometry.epochs import Instant
+from proxnav.trajectories.assemble import assemble
+from proxnav.trajectories.generators import time_grid
+from proxnav.trajectories.orbit import fly_orbit
+from proxnav.trajectories.readers.ccsds import read_aem, read_oem
+from proxnav.trajectories.readers.config import ReaderConfig
+from proxnav.trajectories.readers.history import (
+    AttitudeHistory,
+    History,
+    OrbitHistory,
+    sample_attitude,
+    sample_orbit,
+    span,
+)
+from proxnav.trajectories.readers.stk_attitude import read_stk_attitude
+from proxnav.trajectories.readers.stk_ephemeris import read_stk_ephemeris
+from proxnav.trajectories.readers.table import is_report, read_csv, read_report
+from proxnav.trajectories.readers.tabular import histories
+from proxnav.trajectories.readers.text import read_lines
+from proxnav.trajectories.relative_motion import eci_from_ric
+
+Kind = TypeVar("Kind", OrbitHistory, AttitudeHistory)
+Times = Float[np.ndarray, "n"]
+
+
+def read_trajectory(
+    paths: Sequence[str | Path], config: ReaderConfig | None = None, t: Times | None = None
+) -> Trajectory:
+    """The flight that the files describe, at `t` seconds past the target file's epoch or at the file's own instants.
+
+    The first orbit is the target's and the second the chaser's, unless names say otherwise; the same for attitudes.
+    Without attitudes the target is LVLH-fixed and the camera points at it; without a second orbit the chaser holds.
+    """
+    config = config or ReaderConfig()
+    found = [history for path in paths for history in read_histories(path, config)]
+    orbits = [history for history in found if isinstance(history, OrbitHistory)]
+    if not orbits:
+        raise InputError(f"{_names(paths)}: attitudes but no positions; give the file with the target's orbit as well")
+    attitudes = [history for history in found if isinstance(history, AttitudeHistory)]
+    target, chaser = _roles([h for h in orbits if h.frame.kind != "ric"], config)
+    relative = next((h for h in orbits if h.frame.kind == "ric"), None)
+    attitude_target, attitude_chaser = _attitude_roles(attitudes, target, chaser, config)
+    attitude_target = attitude_target if config.use_target_attitude else None
+    attitude_chaser = attitude_chaser if config.q_chaser_cam is not None else None
+    used = [h for h in (target, relative or chaser, attitude_target, attitude_chaser) if h is not None]
+    epoch = used[0].epoch
+    t = _instants(used, epoch, config) if t is None else np.asarray(t, dtype=np.float64)
+    state_target = sample_orbit(target, epoch, t) if target else fly_orbit(config.target_orbit, t)
+    _check_outside_earth(state_target[0], used[0].source)
+    _warn_of_notes(attitude_target, attitude_chaser)
+    return assemble(
+        epoch.iso(9),
+        t,
+        state_target,
+        _chaser_states(relative or chaser, state_target, epoch, t, config),
+        q_eci_target=_attitude(attitude_target, epoch, t, config.q_body_target),
+        q_eci_cam=_attitude(attitude_chaser, epoch, t, config.q_chaser_cam),
+        pointing=config.pointing,
+        source=_names(paths),
+    )
+
+
+def read_histories(path: str | Path, config: ReaderConfig) -> list[History]:
+    """Orbits and attitudes of one file, in its own frames and at its own times."""
+    lines = read_lines(path)
+    head = "\n".join(lines[:60]).lower()
+    first = next(line.strip().lower() for line in lines if line.strip())
+    if first.startswith("stk.v"):
+        scalar_first = None if config.quaternion_order is None else config.quaternion_order == "wxyz"
+        return [
+            read_stk_attitude(path, scalar_first) if "begin attitude" in _squeezed(head) else read_stk_ephemeris(path)
+        ]
+    if "_oem_vers" in head:
+        return list(read_oem(path))
+    if "_aem_vers" in head:
+        return list(read_aem(path, config.quaternion_order))
+    if first.startswith("begin ") or Path(path).suffix.lower() in (".e", ".a"):
+        raise InputError(f"{path}, line 1: the banner stk.v.<number> is missing; add it or export the file again")
+    if is_report(lines):
+        return histories(read_report(path), config)
+    return histories(read_csv(path, config.columns), config)
+
+
+def _roles(orbits: list[OrbitHistory], config: ReaderConfig) -> tuple[OrbitHistory | None, OrbitHistory | None]:
+    """(target, chaser)."""
+    target = _named(orbits, config.target)
+    chaser = _named(orbits, config.chaser)
+    rest = [history for history in orbits if history is not target and history is not chaser]
+    # Basilisk's two-craft tables put the servicer first.
+    if target is None and chaser is None and [h.name for h in rest[:2]] == ["1", "2"]:
+        rest = [rest[1], rest[0], *rest[2:]]
+    if len(rest) + (target is not None) + (chaser is not None) > 2:
+        names = ", ".join(history.name for history in orbits)
+        raise InputError(f"{_names([h.source for h in orbits])}: objects {names}; say which is target and chaser")
+    if target is None and rest:
+        target = rest.pop(0)
+    if chaser is None and rest:
+        chaser = rest.pop(0)
+    return target, chaser
+
+
+def _attitude_roles(
+    attitudes: list[AttitudeHistory],
+    target: OrbitHistory | None,
+    chaser: OrbitHistory | None,
+    config: ReaderConfig,
+) -> tuple[AttitudeHistory | None, AttitudeHistory | None]:
+    """(target's, chaser's): by the names of roles or orbits, the rest in order."""
+    names = (config.target or (target.name if target else ""), config.chaser or (chaser.name if chaser else ""))
+    known = {history.name for history in attitudes}
+    of_target = _named(attitudes, names[0]) if names[0] in known else None
+    of_chaser = _named(attitudes, names[1]) if names[1] in known else None
+    rest = [history for history in attitudes if history is not of_target and history is not of_chaser]
+    if of_target is None and rest:
+        of_target = rest.pop(0)
+    if of_chaser is None and rest:
+        of_chaser = rest.pop(0)
+    return of_target, of_chaser
+
+
+def _named(options: list[Kind], name: str) -> Kind | None:
+    if not name:
+        return None
+    for history in options:
+        if name in (history.name, Path(history.source).stem):
+            return history
+    names = ", ".join(history.name for history in options)
+    raise InputError(f"no object '{name}' in the files, only {names}; correct the option target or chaser")
+
+
+def _instants(used: list[History], epoch: Instant, config: ReaderConfig) -> Times:
+    spans = [span(history, epoch) for history in used]
+    first, last = max(start for start, _ in spans), min(stop for _, stop in spans)
+    first = first if config.start_s is None else config.start_s
+    last = last if config.stop_s is None else config.stop_s
+    if first > last:
+        sources = _names([history.source for history in used])
+        raise InputError(f"{sources}: the files share no time, or start_s is after stop_s; check their epochs")
+    if config.step_s is not None:
+        return first + time_grid(last - first, config.step_s)
+    own = np.unique(np.concatenate([segment.t for segment in used[0].segments])) + (used[0].epoch - epoch)
+    inside = own[(own >= first - 1e-6) & (own <= last + 1e-6)]
+    if inside.size == 0:
+        raise InputError(f"{used[0].source}: no instant between {first:g} s and {last:g} s; give step_s to resample")
+    return inside
+
+
+def _chaser_states(
+    history: OrbitHistory | None,
+    target: tuple[np.ndarray, np.ndarray],
+    epoch: Instant,
+    t: Times,
+    config: ReaderConfig,
+) -> tuple[np.ndarray, np.ndarray]:
+    if history is None:
+        rho = np.tile(np.array(config.chaser_ric_m), (len(t), 1))
+        return eci_from_ric(*target, rho, np.zeros_like(rho))
+    states = sample_orbit(history, epoch, t)
+    return eci_from_ric(*target, *states) if history.frame.kind == "ric" else states
+
+
+def _attitude(
+    history: AttitudeHistory | None, epoch: Instant, t: Times, q_body_model: tuple[float, ...] | None
+) -> np.ndarray | None:
+    if history is None or q_body_model is None:
+        return None
+    return quaternion.multiply(sample_attitude(history, epoch, t), quaternion.normalize(np.array(q_body_model)))
+
+
+def _check_outside_earth(r_eci_m: np.ndarray, source: str) -> None:
+    least = float(np.linalg.norm(r_eci_m, axis=1).min())
+    if least < 0.98 * EARTH_POLAR_RADIUS:
+        raise InputError(
+            f"{source}: the orbit comes to {least / 1e3:.6g} km from Earth's centre, which is inside Earth: "
+            "check the unit of length (DistanceUnit, column headers or position_unit) and the frame"
+        )
+
+
+def _warn_of_notes(*attitudes: AttitudeHistory | None) -> None:
+    for history in attitudes:
+        if history is not None and history.note:
+            warnings.warn(f"{history.source}: attitude of {history.name}: {history.note}", stacklevel=3)
+
+
+def _names(paths: Sequence[str | Path]) -> str:
+    return ", ".join(dict.fromkeys(str(path) for path in paths))

@@ -1,0 +1,53 @@
+"""What files leave open and the user must or may say."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from proxnav.datasets.records.scene import Quadruple, Triple
+from proxnav.trajectories.assemble import PointingConfig
+from proxnav.trajectories.generators import DEFAULT_EPOCH
+from proxnav.trajectories.orbit import OrbitConfig
+
+
+@dataclass(frozen=True)
+class ReaderConfig:
+    """Conventions and roles; None and "" mean that the file has to say it."""
+
+    target: str = ""
+    """Name of the target in the files, or the file's name without its ending; by default the first object, in Basilisk
+    files the second."""
+    chaser: str = ""
+    """Name of the chaser; by default the other object."""
+    epoch_utc: str = DEFAULT_EPOCH
+    """Epoch of tables whose time is elapsed seconds; only Sun and Earth's turn depend on it."""
+    columns: tuple[str, ...] = ()
+    """Names of the columns of a csv without header, for example t x_1 y_1 z_1 vx_1 vy_1 vz_1."""
+    position_unit: str | None = None
+    """Of tables that do not say: m or km."""
+    velocity_unit: str | None = None
+    """Of tables that do not say: m/s or km/s."""
+    time_unit: Literal["s", "min", "h", "day"] = "s"
+    """Of elapsed times without unit."""
+    frame: str | None = None
+    """Reference frame of tables that do not say: ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate."""
+    quaternion_order: Literal["wxyz", "xyzw"] | None = None
+    """Place of the scalar where the file does not say it; MATLAB's Aerospace Toolbox writes wxyz, STK xyzw."""
+    quaternion_direction: Literal["reference_to_body", "body_to_reference"] = "reference_to_body"
+    """Of tables: STK, MATLAB's Aerospace Toolbox and Basilisk describe how the reference axes turn into the body's."""
+    q_body_target: Quadruple = (1.0, 0.0, 0.0, 0.0)
+    """Model axes to the body axes whose attitude the file gives, wxyz."""
+    use_target_attitude: bool = True
+    """False flies the target LVLH-fixed even where a file gives its attitude."""
+    q_chaser_cam: Quadruple | None = None
+    """Camera axes to the chaser's body axes, wxyz; None points the camera at the target whatever the file says."""
+    chaser_ric_m: Triple = (0.0, -30.0, 0.0)
+    """Place of the chaser, held in the target's RIC frame, where no file gives its orbit."""
+    target_orbit: OrbitConfig = field(default_factory=OrbitConfig)
+    """Orbit of the target where files give relative motion only."""
+    pointing: PointingConfig = field(default_factory=PointingConfig)
+    """Of the camera where no attitude is used."""
+    start_s: float | None = None
+    """First instant, seconds past the target file's epoch; None is the first that all files cover."""
+    stop_s: float | None = None
+    step_s: float | None = None
+    """Resamples at this step; None keeps the instants of the target's file."""
