@@ -12,7 +12,7 @@ from proxnav.rendering.earth import atmosphere, sun
 from proxnav.rendering.earth.aerial import Aerial, empty
 from proxnav.rendering.earth.clouds import clouds
 from proxnav.rendering.earth.ellipsoid import stretched
-from proxnav.rendering.earth.image import draw, lattice_rays, shade_many
+from proxnav.rendering.earth.image import draw, lattice_rays, lattice_size, room, shade_many
 from proxnav.rendering.earth.imagery import ground_pyramid
 from proxnav.rendering.earth.state import SIZE, Eye, World
 
@@ -53,13 +53,8 @@ def _radiance(
         return _empty_space(scene, directions) if show_sun else out
     eye, aerial, R_ecef_target = _eye(scene, r_target_eye_m, show_sun)
     world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
-    shade_many(eye, world, aerial, *_scratch(), directions @ R_ecef_target.T, pixel_rad, out)
+    shade_many(eye, world, aerial, room(), directions @ R_ecef_target.T, pixel_rad, out)
     return out
-
-
-def _scratch() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Room for one ray: air, state, map reading."""
-    return np.zeros(6), np.zeros(SIZE, dtype=np.float32), np.zeros(7)
 
 
 def _empty_space(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
@@ -102,7 +97,9 @@ def background_image(
     world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
     out = np.zeros((window.height, window.width, 3), dtype=np.float32)
     rays = lattice_rays(camera)
-    draw(eye, world, aerial, *_scratch(), rays, R_ecef_cam, window.x, window.y, 1.0 / camera.fx, out)
+    shape = lattice_size(window.x, window.y, window.width, window.height)
+    states, ends = np.empty((*shape, SIZE), dtype=np.float32), np.empty(shape, dtype=np.int64)
+    draw(eye, world, aerial, room(), states, ends, rays, R_ecef_cam, window.x, window.y, 1.0 / camera.fx, out)
     return out
 
 

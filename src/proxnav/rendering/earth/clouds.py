@@ -5,10 +5,10 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from proxnav.rendering.earth import noise
 from proxnav.rendering.earth.ellipsoid import A_M
+from proxnav.rendering.earth.kernel import kernel
 from proxnav.rendering.earth.weather import COLUMNS, ROWS, weather
 
 PERIODS_M = (1100e3, 140e3, 17e3)
@@ -37,7 +37,7 @@ class Clouds(NamedTuple):
     """Value of the high field at which thin cloud begins."""
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _moisture(clouds, lon, lat, turn):
     column = (lon / (2.0 * math.pi) + 0.5 + turn) * COLUMNS - 0.5 + clouds.shift
     row = (0.5 - lat / math.pi) * ROWS - 0.5
@@ -52,13 +52,13 @@ def _moisture(clouds, lon, lat, turn):
     return (1.0 - fy) * top + fy * ((1.0 - fx) * image[i1, j0] + fx * image[i1, j1])
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def fade(footprint_m, period):
     """Weight of a layer of detail for rays as wide as `footprint_m`: what is finer than a ray must not alias."""
     return min(1.0, max(0.0, 1.0 - (footprint_m - 0.025 * period) / (0.10 * period)))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def large(clouds, x, y, z, lon, lat, footprint_m):
     """(field, heap, warp): weather and the first layer of detail above a point of the unit sphere.
 
@@ -75,7 +75,7 @@ def large(clouds, x, y, z, lon, lat, footprint_m):
     return moisture + WEIGHTS[0] * weight * ((1.0 - 0.5 * heap) * a + 0.5 * heap * b), heap, a
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def fine(clouds, layer, x, y, z, heap, warp):
     """Detail of the second (1) or third (2) layer, of unit size."""
     s = A_M / PERIODS_M[layer]
@@ -87,7 +87,7 @@ def fine(clouds, layer, x, y, z, heap, warp):
     return (1.0 - heap) * a + heap * (0.4 * a + 0.8 * b)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def field(clouds, x, y, z, lon, lat, footprint_m):
     """The whole field: cloud where it exceeds the threshold."""
     value, heap, warp = large(clouds, x, y, z, lon, lat, footprint_m)
@@ -98,14 +98,14 @@ def field(clouds, x, y, z, lon, lat, footprint_m):
     return value
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def opacity(clouds, value):
     """Share of light that a cloud of this field value keeps from what lies below, seen from straight above."""
     x = (value - clouds.threshold) / EDGE
     return 0.0 if x <= 0.0 else 1.0 - math.exp(-1.6 * x - 1.5 * x * x)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def cirrus(clouds, x, y, z, lon, lat, footprint_m):
     """Opacity of thin high cloud, drawn out along its own weather."""
     value = _moisture(clouds, lon, lat, 0.37) - clouds.thin
@@ -119,7 +119,7 @@ def cirrus(clouds, x, y, z, lon, lat, footprint_m):
     return min(0.45, 0.9 * max(0.0, value))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _field_at(clouds, points, out):
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]

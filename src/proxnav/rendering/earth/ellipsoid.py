@@ -7,20 +7,21 @@ stretched space is exact. Altitudes there differ from true ones by at most 0.34 
 import math
 
 import numpy as np
-from numba import njit
+
+from proxnav.rendering.earth.kernel import kernel
 
 A_M = 6_378_137.0  # m, WGS-84 equatorial radius
 B_M = 6_356_752.314245  # m, WGS-84 polar radius
 STRETCH = A_M / B_M
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def dot(ax, ay, az, bx, by, bz):
     """Scalar product."""
     return ax * bx + ay * by + az * bz
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def near_hit(rm, half_b, radius, r0):
     """Smallest positive ray parameter at which |o + t d| = radius, or -1; half_b = o.d, rm = d.d, r0 = |o|.
 

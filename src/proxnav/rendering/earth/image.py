@@ -5,18 +5,42 @@ The lattice is fixed to the full image, so a pixel gets the same value in every 
 
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from proxnav.geometry import Camera
 from proxnav.rendering.earth import state as s
 from proxnav.rendering.earth import sun
 from proxnav.rendering.earth.detail import radiance
 from proxnav.rendering.earth.ellipsoid import A_M
+from proxnav.rendering.earth.kernel import kernel
 
 BLOCK = 8
 """px, side of a block of the lattice."""
+
+
+class Room(NamedTuple):
+    """Scratch for one ray at a time."""
+
+    air: np.ndarray
+    state: np.ndarray
+    map: np.ndarray
+    value: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+
+
+def room() -> Room:
+    """Fresh scratch."""
+    row = np.zeros((3, s.SIZE), dtype=np.float32)
+    return Room(np.zeros(6), row[0].copy(), np.zeros(7), np.zeros(3), row[1].copy(), row[2].copy())
+
+
+def lattice_size(x0: int, y0: int, width: int, height: int) -> tuple[int, int]:
+    """(rows, columns) of lattice corners around a window."""
+    rows, columns = (y0 + height - 1) // BLOCK - y0 // BLOCK + 2, (x0 + width - 1) // BLOCK - x0 // BLOCK + 2
+    return rows, columns
 
 
 @lru_cache(maxsize=4)
@@ -29,7 +53,7 @@ def lattice_rays(camera: Camera) -> np.ndarray:
     return rays
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, out):
     """Radiance [W/(m^2 sr)] down one unit ray in Earth-fixed axes, Sun's disc included."""
     for k in range(3):
@@ -47,10 +71,10 @@ def shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, out):
         radiance(eye, world, ends, st, m, out)
 
 
-@njit(cache=True, nogil=True)
-def shade_many(eye, world, aerial, work, st, m, directions, pixel_rad, out):
+@kernel()
+def shade_many(eye, world, aerial, room, directions, pixel_rad, out):
     """`shade_ray` for rays (n, 3); rays that are not numbers stay dark."""
-    value = np.zeros(3)
+    work, st, m, value = room.air, room.state, room.map, room.value
     for i in range(len(directions)):
         dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
         if dx == dx:
@@ -59,13 +83,13 @@ def shade_many(eye, world, aerial, work, st, m, directions, pixel_rad, out):
                 out[i, k] = value[k]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _unit(x, y, z):
     n = 1.0 / math.sqrt(x * x + y * y + z * z)
     return x * n, y * n, z * n
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends):
     for i in range(states.shape[0]):
         for j in range(states.shape[1]):
@@ -79,7 +103,7 @@ def _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends)
                 ends[i, j] = s.ray_state(eye, world, aerial, work, x, y, z, pixel_rad, states[i, j])
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _is_gentle(st, i, j):
     """Whether the four states around a block may be interpolated: landing points err by less than half a pixel."""
     lon_min, lon_max, cos_min = 9.0, -9.0, 1.0
@@ -97,20 +121,17 @@ def _is_gentle(st, i, j):
     return d2 / (8.0 * cos_min * cos_min) < 0.5 * st[i, j, s.FOOTPRINT] / A_M
 
 
-@njit(cache=True, nogil=True)
-def draw(eye, world, aerial, work, st, m, rays, R, x0, y0, pixel_rad, out):
+@kernel()
+def draw(eye, world, aerial, room, states, ends, rays, R, x0, y0, pixel_rad, out):
     """Fills `out` (h, w, 3), the window whose first pixel is (x0, y0); R turns camera axes to Earth-fixed axes."""
     h, w = out.shape[0], out.shape[1]
     i0, j0 = y0 // BLOCK, x0 // BLOCK
-    n_i, n_j = (y0 + h - 1) // BLOCK - i0 + 1, (x0 + w - 1) // BLOCK - j0 + 1
-    states = np.empty((n_i + 1, n_j + 1, s.SIZE), dtype=np.float32)
-    ends = np.empty((n_i + 1, n_j + 1), dtype=np.int64)
+    n_i, n_j = states.shape[0] - 1, states.shape[1] - 1
+    work, st, m, value, left, right = room.air, room.state, room.map, room.value, room.left, room.right
+    sun0 = R[0, 0] * eye.sun[0] + R[1, 0] * eye.sun[1] + R[2, 0] * eye.sun[2]
+    sun1 = R[0, 1] * eye.sun[0] + R[1, 1] * eye.sun[1] + R[2, 1] * eye.sun[2]
+    sun2 = R[0, 2] * eye.sun[0] + R[1, 2] * eye.sun[1] + R[2, 2] * eye.sun[2]
     _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends)
-    left, right = np.empty(s.SIZE, dtype=np.float32), np.empty(s.SIZE, dtype=np.float32)
-    value = np.empty(3)
-    sun_cam = np.empty(3)
-    for k in range(3):
-        sun_cam[k] = R[0, k] * eye.sun[0] + R[1, k] * eye.sun[1] + R[2, k] * eye.sun[2]
     for i in range(n_i):
         for j in range(n_j):
             low, high = 99, -99
@@ -118,7 +139,7 @@ def draw(eye, world, aerial, work, st, m, rays, R, x0, y0, pixel_rad, out):
                 for b in range(2):
                     low, high = min(low, ends[i + a, j + b]), max(high, ends[i + a, j + b])
             gentle = low == s.ON_GROUND and _is_gentle(states, i, j)
-            if high == s.BEYOND and low == s.BEYOND and not _near(rays, i0 + i, j0 + j, sun_cam, pixel_rad):
+            if high == s.BEYOND and low == s.BEYOND and not _near(rays, i0 + i, j0 + j, sun0, sun1, sun2, pixel_rad):
                 continue
             py0, py1 = max((i0 + i) * BLOCK, y0), min((i0 + i + 1) * BLOCK, y0 + h)
             px0, px1 = max((j0 + j) * BLOCK, x0), min((j0 + j + 1) * BLOCK, x0 + w)
@@ -137,14 +158,14 @@ def draw(eye, world, aerial, work, st, m, rays, R, x0, y0, pixel_rad, out):
                         radiance(eye, world, s.ON_GROUND, st, m, value)
                     else:
                         dx, dy, dz = _ray(rays, i0 + i, j0 + j, fy, fx, R)
-                        if not dx == dx:
+                        if dx != dx:
                             continue
                         shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, value)
                     for k in range(3):
                         out[py - y0, px - x0, k] = value[k]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _ray(rays, i, j, fy, fx, R):
     """Unit ray in Earth-fixed axes inside a block; between corners the lens is straight to 0.01 px."""
     w00, w01, w10, w11 = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx, fy * (1.0 - fx), fy * fx
@@ -156,9 +177,9 @@ def _ray(rays, i, j, fy, fx, R):
     return _unit(x, y, z)
 
 
-@njit(cache=True, nogil=True)
-def _near(rays, i, j, sun_cam, pixel_rad):
+@kernel()
+def _near(rays, i, j, sun0, sun1, sun2, pixel_rad):
     """Whether a block may hold part of the Sun's disc."""
     x, y, z = _unit(rays[i, j, 0], rays[i, j, 1], rays[i, j, 2])
     reach = sun.HALF_ANGLE + 1.5 * BLOCK * pixel_rad
-    return x * sun_cam[0] + y * sun_cam[1] + z * sun_cam[2] > math.cos(min(3.0, reach))
+    return x * sun0 + y * sun1 + z * sun2 > math.cos(min(3.0, reach))

@@ -7,9 +7,9 @@ import math
 from functools import cache
 
 import numpy as np
-from numba import njit
 from scipy.spatial import cKDTree
 
+from proxnav.rendering.earth.kernel import kernel
 from proxnav.rendering.earth.stored import stored
 
 SIZE = 128
@@ -55,7 +55,7 @@ def _cells(rng: np.random.Generator) -> np.ndarray:
     return _standard(total.reshape(SIZE, SIZE, SIZE))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def sample(noise, x, y, z):
     """Both channels at a point of the unit period, trilinear."""
     x, y, z = x * SIZE, y * SIZE, z * SIZE
@@ -72,6 +72,6 @@ def sample(noise, x, y, z):
     return a, b
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _four(n, i0, i1, j0, j1, k, c, w):
     return w[0] * n[i0, j0, k, c] + w[1] * n[i0, j1, k, c] + w[2] * n[i1, j0, k, c] + w[3] * n[i1, j1, k, c]

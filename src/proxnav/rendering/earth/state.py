@@ -8,13 +8,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from proxnav.rendering.earth import clouds as cl
 from proxnav.rendering.earth.aerial import CLOUD, CLOUD_TOP_M, GROUND, SKY, look
 from proxnav.rendering.earth.atmosphere import SUN_MU_MAX, SUN_MU_MIN, SUN_NODES, sun_transmittance
 from proxnav.rendering.earth.clouds import Clouds
 from proxnav.rendering.earth.ellipsoid import A_M, STRETCH, near_hit
+from proxnav.rendering.earth.kernel import kernel
 from proxnav.rendering.earth.surface import fresnel_water, glint, wind_mps
 
 # Columns of the row. Triples are red, green, blue and hold radiances [W/(m^2 sr)] at the eye, path losses included.
@@ -62,14 +62,14 @@ class World(NamedTuple):
     clouds: Clouds
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _sky_light(table, mu, k):
     x = min(SUN_NODES - 1.001, max(0.0, (mu - SUN_MU_MIN) / (SUN_MU_MAX - SUN_MU_MIN) * (SUN_NODES - 1)))
     j = int(x)
     return (1.0 - (x - j)) * table[j, k] + (x - j) * table[j + 1, k]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _place(o, t, dx, dy, dz):
     """Unit normal where the stretched ray is after t."""
     x, y, z = o[0] + t * dx, o[1] + t * dy, (o[2] + t * dz) * STRETCH
@@ -77,7 +77,7 @@ def _place(o, t, dx, dy, dz):
     return x * s, y * s, z * s
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _light(eye, world, height_m, mu_sun, st, direct, diffuse):
     """Sun and sky on a white surface at a height, times the path's transmittance, which st[direct:] holds on entry."""
     s = (1.0, 1.0, 1.0)
@@ -89,7 +89,7 @@ def _light(eye, world, height_m, mu_sun, st, direct, diffuse):
         st[diffuse + k] = scale * _sky_light(world.sky_irradiance, mu_sun, k) if eye.atmosphere else 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air):
     """Air in front into st[air:], transmittance of the path into st[direct:]."""
     if not eye.atmosphere:
@@ -101,7 +101,7 @@ def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air)
         st[direct + k], st[air + k] = work[3 + k], work[k] * eye.irradiance[k]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def ray_state(eye, world, aerial, work, dx, dy, dz, pixel_rad, st):
     """Fills the row `st` for the true unit ray (dx, dy, dz) in Earth-fixed axes; returns where the ray ends."""
     s = 1.0 / math.sqrt(dx * dx + dy * dy + dz * dz * STRETCH * STRETCH)
@@ -130,7 +130,7 @@ def ray_state(eye, world, aerial, work, dx, dy, dz, pixel_rad, st):
     return ON_CLOUD if has_cloud else IN_AIR
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _ground_state(eye, world, t, ux, uy, uz, dx, dy, dz, nu, pixel_rad, st):
     to = eye.sun
     x, y, z = _place(eye.origin, t, ux, uy, uz)
@@ -159,7 +159,7 @@ def _ground_state(eye, world, t, ux, uy, uz, dx, dy, dz, nu, pixel_rad, st):
         st[SHADOW] = cl.opacity(world.clouds, _toward(eye, world, x, y, z, lon, lat, away, wide, st))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _toward(eye, world, x, y, z, lon, lat, distance_m, footprint_m, st):
     """Cloud field at a place moved along the ground towards the Sun; leaves the unit step in st[TOWARD:]."""
     to = eye.sun
@@ -174,7 +174,7 @@ def _toward(eye, world, x, y, z, lon, lat, distance_m, footprint_m, st):
     return cl.field(world.clouds, x + s * tx, y + s * ty, z + s * tz, lon + d_lon, lat + d_lat, footprint_m)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _cloud_state(eye, world, t, ux, uy, uz, dx, dy, dz, pixel_rad, st):
     to = eye.sun
     x, y, z = _place(eye.origin, t, ux, uy, uz)
