@@ -11,6 +11,7 @@ from jaxtyping import Float
 from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
+from proxnav.geometry.celestial import EARTH_POLAR_RADIUS
 from proxnav.geometry.epochs import Instant
 from proxnav.trajectories.assemble import assemble
 from proxnav.trajectories.generators import time_grid
@@ -80,9 +81,8 @@ def read_histories(path: str | Path, config: ReaderConfig) -> list[History]:
     first = next(line.strip().lower() for line in lines if line.strip())
     if first.startswith("stk.v"):
         scalar_first = None if config.quaternion_order is None else config.quaternion_order == "wxyz"
-        return [
-            read_stk_attitude(path, scalar_first) if "begin attitude" in _squeezed(head) else read_stk_ephemeris(path)
-        ]
+        is_attitude = "begin attitude" in " ".join(head.split())
+        return [read_stk_attitude(path, scalar_first) if is_attitude else read_stk_ephemeris(path)]
     if "_oem_vers" in head:
         return list(read_oem(path))
     if "_aem_vers" in head:
