@@ -60,20 +60,23 @@ def sun_points(pixels, per_pixel, step, steps, centre, half_angle, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def mark_edges(triangle, position, depth, normals, part, pixel_rad, marked):
-    """Marks pixels of a grid (h, w) between which the surface ends, folds, jumps or changes part."""
-    h, w = triangle.shape
+def mark_edges(hit, triangle, position, depth, normals, part, pixel_rad, marked):
+    """Marks pixels of a grid (h, w) of hit indices, -1 for none, between which the surface ends, folds or jumps."""
+    h, w = hit.shape
     for y in range(h):
         for x in range(w):
             for dy, dx in ((0, 1), (1, -1), (1, 0), (1, 1)):
                 yy, xx = y + dy, x + dx
                 if yy >= h or xx < 0 or xx >= w:
                     continue
-                a, b = triangle[y, x], triangle[yy, xx]
-                if a == b:
+                i, j = hit[y, x], hit[yy, xx]
+                if (i < 0 and j < 0) or (i >= 0 and j >= 0 and triangle[i] == triangle[j]):
                     continue
-                pixel_m = depth[y, x] * pixel_rad
-                if a < 0 or b < 0 or _breaks(a, b, position[y, x], position[yy, xx], normals, part, pixel_m):
+                if (
+                    i < 0
+                    or j < 0
+                    or _breaks(triangle[i], triangle[j], position[i], position[j], normals, part, depth[i] * pixel_rad)
+                ):
                     marked[y, x] = True
                     marked[yy, xx] = True
 
@@ -92,27 +95,28 @@ def _breaks(a, b, p, q, normals, part, pixel_m):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def mark_penumbra(lit, blocker, depth, pixel_rad, half_angle, reach, marked):
-    """Marks pixels of a grid (h, w) that a shadow's edge may soften.
+def mark_penumbra(hit, lit, blocker, depth, pixel_rad, half_angle, reach, marked):
+    """Marks pixels of a grid (h, w) of hit indices that a shadow's edge may soften.
 
     `lit` is 1 in sunlight, 0 in a cast shadow and -1 where the question does not arise; `blocker` [m] is the distance
     to what casts the shadow, whose penumbra is 2 `half_angle` times that wide.
     """
-    h, w = lit.shape
+    h, w = hit.shape
     for y in range(h):
         for x in range(w):
-            if lit[y, x] != 0:
+            i = hit[y, x]
+            if i < 0 or lit[i] != 0:
                 continue
             edge = False
             for yy in range(max(0, y - 1), min(h, y + 2)):
                 for xx in range(max(0, x - 1), min(w, x + 2)):
-                    edge = edge or lit[yy, xx] == 1
+                    edge = edge or (hit[yy, xx] >= 0 and lit[hit[yy, xx]] == 1)
             if not edge:
                 continue
-            r = min(reach, 1 + int(1.5 * half_angle * blocker[y, x] / (depth[y, x] * pixel_rad)))
+            r = min(reach, 1 + int(1.5 * half_angle * blocker[i] / (depth[i] * pixel_rad)))
             for yy in range(max(0, y - r), min(h, y + r + 1)):
                 for xx in range(max(0, x - r), min(w, x + r + 1)):
-                    if lit[yy, xx] >= 0:
+                    if hit[yy, xx] >= 0 and lit[hit[yy, xx]] >= 0:
                         marked[yy, xx] = True
 
 

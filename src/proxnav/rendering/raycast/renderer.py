@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float32
+from jaxtyping import Bool
 
 from proxnav.datasets.records import Frame, SceneSpec, Window
 from proxnav.datasets.records.scene import SUN_HALF_ANGLE
@@ -15,7 +15,7 @@ from proxnav.rendering.raycast.config import RaycastConfig
 from proxnav.rendering.raycast.lights import light_up
 from proxnav.rendering.raycast.model import Model, build_model
 from proxnav.rendering.raycast.rays import projected_box
-from proxnav.rendering.raycast.view import BATCH, Samples, View, look, trace
+from proxnav.rendering.raycast.view import BATCH, Hits, View, look, probe, probe_all, select, shade
 from proxnav.targets import Target
 
 _WIDEST_PENUMBRA_PX = 32
@@ -88,19 +88,20 @@ def _region(model: Model, scene: SceneSpec, view: View, window: Window, halo: in
 def _fill(frame: Frame, view: View, region: Window, halo: int, config: RaycastConfig) -> None:
     """Traces the region and writes what lies in the frame's window."""
     pixels = grid.grid_pixels(region.x, region.y, region.width, region.height)
-    base = _trace_centres(view, pixels)
-    refined = _refined(view, base, region, halo)
+    hits = probe_all(view, pixels)
+    refined = _refined(view, hits, region, halo)
     inside = _inside(pixels, frame.window)
-    row, column = pixels[:, 1] - frame.window.y, pixels[:, 0] - frame.window.x
-    plain = inside & (base.triangle >= 0)
-    at = row[plain], column[plain]
-    frame.depth_m[at] = base.depth[plain]
-    frame.part[at] = view.model.mesh.part[base.triangle[plain]]
+    seen = select(hits, inside[hits.ray])
+    at = _places(pixels[seen.ray], frame.window)
+    frame.depth_m[at] = seen.depth
+    frame.part[at] = view.model.mesh.part[seen.triangle]
     frame.coverage[at] = 1.0
-    frame.radiance[at] = base.radiance[plain]
+    plain = ~refined[seen.ray]
     _write(frame, view, pixels[inside & refined], config.samples, config.sun_rays_per_sample)
     if config.interior_samples > 1:
-        _write(frame, view, pixels[plain & ~refined], config.interior_samples, 0)
+        _write(frame, view, pixels[seen.ray[plain]], config.interior_samples, 0)
+    else:
+        _write_centres(frame, view, pixels, select(seen, plain))
 
 
 def _inside(pixels: np.ndarray, window: Window) -> np.ndarray:
@@ -108,39 +109,41 @@ def _inside(pixels: np.ndarray, window: Window) -> np.ndarray:
     return (x >= 0) & (x < window.width) & (y >= 0) & (y < window.height)
 
 
-def _trace_centres(view: View, pixels: np.ndarray) -> Samples:
-    """One sample at the centre of each pixel."""
-    parts = [
-        trace(view, pixels[i : i + BATCH], pixels[i : i + BATCH] + 0.5, 1, 0) for i in range(0, len(pixels), BATCH)
-    ]
-    names = ("triangle", "radiance", "position", "depth", "lit", "blocker")
-    return Samples(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+def _places(pixels: np.ndarray, window: Window) -> tuple[np.ndarray, np.ndarray]:
+    """(rows, columns) in the window's arrays."""
+    return pixels[:, 1] - window.y, pixels[:, 0] - window.x
 
 
-def _refined(view: View, base: Samples, region: Window, halo: int) -> Bool[np.ndarray, "n"]:
+def _refined(view: View, hits: Hits, region: Window, halo: int) -> Bool[np.ndarray, "n"]:
     """Pixels of the region that one ray does not describe."""
-    shape = region.height, region.width
-    mesh = view.model.mesh
+    mesh, shape = view.model.mesh, (region.height, region.width)
     marked = np.zeros(shape, bool)
-    triangle, depth = base.triangle.reshape(shape), base.depth.reshape(shape)
-    position = base.position.reshape(*shape, 3)
-    grid.mark_edges(triangle, position, depth, mesh.normals, mesh.part, view.pixel_rad, marked)
+    index = np.full(region.height * region.width, -1, np.int64)
+    index[hits.ray] = np.arange(len(hits.ray))
+    index = index.reshape(shape)
+    grid.mark_edges(index, hits.triangle, hits.position, hits.depth, mesh.normals, mesh.part, view.pixel_rad, marked)
     if view.lights.has_sun:
-        lit, blocker = base.lit.reshape(shape), base.blocker.reshape(shape)
-        grid.mark_penumbra(lit, blocker, depth, view.pixel_rad, SUN_HALF_ANGLE, halo - 1, marked)
+        grid.mark_penumbra(
+            index, hits.shadow, hits.blocker, hits.depth, view.pixel_rad, SUN_HALF_ANGLE, halo - 1, marked
+        )
     return marked.ravel()
 
 
+def _write_centres(frame: Frame, view: View, pixels: np.ndarray, hits: Hits) -> None:
+    """Writes the radiance of pixels that their centre ray describes."""
+    for i in range(0, len(hits.ray), BATCH):
+        batch = select(hits, np.arange(i, min(i + BATCH, len(hits.ray))))
+        frame.radiance[_places(pixels[batch.ray], frame.window)] = shade(view, batch, 1)
+
+
 def _write(frame: Frame, view: View, pixels: np.ndarray, samples: int, sun_steps: int) -> None:
-    """Replaces radiance and coverage of the given pixels by the mean over several samples."""
+    """Writes radiance and coverage of pixels as the mean over several samples."""
     step = max(1, BATCH // samples)
     for i in range(0, len(pixels), step):
         chosen = pixels[i : i + step]
-        found = trace(view, chosen, grid.sample_places(chosen, samples), samples, sun_steps)
-        at = chosen[:, 1] - frame.window.y, chosen[:, 0] - frame.window.x
-        frame.radiance[at] = _mean(found.radiance, samples)
-        frame.coverage[at] = _mean((found.triangle >= 0).astype(np.float32)[:, None], samples)[:, 0]
-
-
-def _mean(values: Float32[np.ndarray, "n_times_samples c"], samples: int) -> Float32[np.ndarray, "n c"]:
-    return values.reshape(-1, samples, values.shape[1]).mean(axis=1, dtype=np.float64).astype(np.float32)
+        hits = probe(view, chosen, grid.sample_places(chosen, samples), samples, sun_steps)
+        at = _places(chosen, frame.window)
+        values = np.zeros((len(chosen) * samples, 4))
+        values[hits.ray, :3], values[hits.ray, 3] = shade(view, hits, samples), 1.0
+        mean = values.reshape(-1, samples, 4).sum(axis=1) / samples
+        frame.radiance[at], frame.coverage[at] = mean[:, :3], mean[:, 3]

@@ -10,18 +10,20 @@ from proxnav.rendering.raycast.surface import barycentric
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def sun_rays(position, surface, sun, which, origins, directions):
+def sun_rays(triangle, position, eye, normals, sun, which, origins, directions):
     """Fills a ray towards each hit's point `sun` (n, 3) of the disc and the hit's index; returns their number.
 
-    Surfaces that turn away from the Sun need none.
+    Sides that turn away from the Sun need none.
     """
     count = 0
     for i in range(position.shape[0]):
-        s, d = surface[i], sun[i]
-        if s[0] * d[0] + s[1] * d[1] + s[2] * d[2] <= 0.0 or s[3] * d[0] + s[4] * d[1] + s[5] * d[2] <= 0.0:
+        n, d, p = normals[triangle[i]], sun[i], position[i]
+        towards = n[0] * (eye[0] - p[0]) + n[1] * (eye[1] - p[1]) + n[2] * (eye[2] - p[2])
+        side = 1.0 if towards >= 0.0 else -1.0
+        if side * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]) <= 0.0:
             continue
         for k in range(3):
-            origins[count, k] = position[i, k] + OFFSET_M * s[3 + k]
+            origins[count, k] = p[k] + OFFSET_M * side * n[k]
             directions[count, k] = d[k]
         which[count] = i
         count += 1

@@ -1,30 +1,14 @@
 """From a ray and the triangle that it met to everything that the shading needs about the point, in float64."""
 
-from dataclasses import dataclass
-
 import numpy as np
-from jaxtyping import Float64, Int32
 from numba import njit
 
 from proxnav.rendering.raycast.bsdf import MIN_ALPHA, fresnel
 from proxnav.rendering.raycast.texels import sample
 
 COLUMNS = 16
-"""Of `Hits.surface`: normal 0-2, outward normal of the triangle 3-5, towards the eye 6-8, albedo 9-11, metallic 12,
-alpha 13, Fresnel reflectance 14, weight of the mirror ray 15."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Hits:
-    """Points where n rays met the target."""
-
-    triangle: Int32[np.ndarray, "n"]
-    position: Float64[np.ndarray, "n 3"]
-    depth: Float64[np.ndarray, "n"]
-    """z in the camera frame [m]."""
-    weights: Float64[np.ndarray, "n 3"]
-    """Barycentric coordinates."""
-    surface: Float64[np.ndarray, "n 16"]
+"""Of a surface's description: normal 0-2, normal of the triangle 3-5 and direction to the eye 6-8, albedo 9-11,
+metallic 12, alpha 13, Fresnel reflectance 14, weight of the mirror ray 15."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -63,7 +47,7 @@ def locate(triangle, rays, eye, camera_z, corners, position, depth, weights):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def describe(
-    triangle, position, depth, weights, eye, pixel_rad, corners, normals, tangents, part, texels, levels, parts, surface
+    triangle, position, weights, eye, pixel_rad, corners, normals, tangents, part, texels, levels, parts, surface
 ):
     """Fills `surface` (n, 16): shading normal with its texture, material and Fresnel term at each hit."""
     m = np.empty(8)

@@ -1,6 +1,6 @@
 """One camera looking at one lit target: rays in, radiance and geometry out, in batches of fixed size."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
@@ -13,7 +13,7 @@ from proxnav.rendering.raycast.bsdf import lobe_albedo_table
 from proxnav.rendering.raycast.lights import SUN_WIDENING, Lights
 from proxnav.rendering.raycast.model import Model
 from proxnav.rendering.raycast.rays import camera_numbers, cast
-from proxnav.rendering.raycast.surface import COLUMNS, Hits, describe, locate
+from proxnav.rendering.raycast.surface import COLUMNS, describe, locate
 from proxnav.rendering.raycast.texels import TexelTable
 
 BATCH = 32768
@@ -21,16 +21,21 @@ BATCH = 32768
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Samples:
-    """What n rays through the image saw; radiance is zero where they missed."""
+class Hits:
+    """The rays that met the target: where, and how much of the Sun is seen from there."""
 
+    ray: Int[np.ndarray, "n"]
+    """Index among the rays that were cast."""
     triangle: Int[np.ndarray, "n"]
-    radiance: Float32[np.ndarray, "n 3"]
     position: Float[np.ndarray, "n 3"]
-    depth: Float32[np.ndarray, "n"]
-    """inf where the ray missed."""
-    lit: Int[np.ndarray, "n"]
-    """1 where the Sun's rays arrive, 0 where something blocks all or some, -1 where the surface turns away."""
+    depth: Float[np.ndarray, "n"]
+    """z in the camera frame [m]."""
+    weights: Float[np.ndarray, "n 3"]
+    """Barycentric coordinates."""
+    lit: Float[np.ndarray, "n"]
+    """Share of the Sun's disc."""
+    shadow: Int[np.ndarray, "n"]
+    """1 where the Sun's ray arrives, 0 where something blocks it, -1 where the surface turns away."""
     blocker: Float32[np.ndarray, "n"]
     """Distance to what blocks the Sun [m]."""
 
@@ -63,16 +68,47 @@ def look(
     return View(model, textures, lights, camera_numbers(camera), T_target_cam.R, T_target_cam.t_m, reflections)
 
 
-def trace(
+def probe(
     view: View, pixels: Int[np.ndarray, "n 2"], places: Float[np.ndarray, "m 2"], per_pixel: int, sun_steps: int
-) -> Samples:
-    """Samples at points `places` [px], `per_pixel` for each pixel; `sun_steps` 0 aims at the centre of the Sun."""
+) -> Hits:
+    """What rays through `places` [px], `per_pixel` for each pixel, meet; `sun_steps` 0 aims at the Sun's centre."""
     rays, origins, directions = _rays(view, places)
     triangle = view.model.tracer.first_hit(origins, directions)
-    found = np.flatnonzero(triangle >= 0)
-    hits = _hits(view, triangle[found], rays[found], view.pixel_rad / np.sqrt(per_pixel))
-    lit, state, blocker = _sunlit(view, hits, pixels, found, per_pixel, sun_steps)
-    return _scatter(len(places), triangle, found, hits, _shade(view, hits, lit), state, blocker)
+    ray = np.flatnonzero(triangle >= 0)
+    n, triangle = len(ray), triangle[ray]
+    position, depth, weights = np.empty((n, 3)), np.empty(n), np.empty((n, 3))
+    camera_z = np.ascontiguousarray(view.R_target_cam[:, 2])
+    locate(triangle, rays[ray], view.eye, camera_z, view.model.mesh.corners, position, depth, weights)
+    sunlit = _sunlit(view, triangle, position, pixels, ray, per_pixel, sun_steps)
+    return Hits(ray, triangle, position, depth, weights, *sunlit)
+
+
+def probe_all(view: View, pixels: Int[np.ndarray, "n 2"]) -> Hits:
+    """What the rays through the centres of any number of pixels meet."""
+    parts = []
+    for begin in range(0, len(pixels), BATCH):
+        batch = pixels[begin : begin + BATCH]
+        hits = probe(view, batch, batch + 0.5, 1, 0)
+        parts.append(replace(hits, ray=hits.ray + begin))
+    return Hits(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Hits)))
+
+
+def select(hits: Hits, chosen: np.ndarray) -> Hits:
+    """Some of the hits, by index or flag."""
+    return Hits(*(getattr(hits, f.name)[chosen] for f in fields(Hits)))
+
+
+def shade(view: View, hits: Hits, per_pixel: int) -> Float[np.ndarray, "n 3"]:
+    """Radiance of the hits towards the eye, each standing for one part in `per_pixel` of its pixel."""
+    mesh, lights = view.model.mesh, view.lights
+    surface = _surface(view, hits, view.pixel_rad / np.sqrt(per_pixel))
+    radiance = np.zeros((len(hits.triangle), 3))
+    shading.shade_emission(hits.triangle, mesh.part, view.textures.parts, radiance)
+    if lights.has_sun:
+        shading.shade_sun(surface, lights.sun, hits.lit, lights.sun_irradiance, SUN_WIDENING, radiance)
+    if lights.has_ambient:
+        _shade_ambient(view, hits, surface, radiance)
+    return radiance
 
 
 def _rays(view: View, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -83,93 +119,67 @@ def _rays(view: View, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     return rays, origins, directions
 
 
-def _hits(view: View, triangle: np.ndarray, rays: np.ndarray, pixel_rad: float) -> Hits:
-    n, mesh, textures = len(triangle), view.model.mesh, view.textures
-    hits = Hits(triangle, np.empty((n, 3)), np.empty(n), np.empty((n, 3)), np.empty((n, COLUMNS)))
-    camera_z = np.ascontiguousarray(view.R_target_cam[:, 2])
-    locate(triangle, rays, view.eye, camera_z, mesh.corners, hits.position, hits.depth, hits.weights)
-    describe(
-        triangle, hits.position, hits.depth, hits.weights, view.eye, pixel_rad, mesh.corners, mesh.normals,
-        mesh.tangents, mesh.part, textures.texels, textures.levels, textures.parts, hits.surface,
-    )  # fmt: skip
-    return hits
-
-
 def _sunlit(
-    view: View, hits: Hits, pixels: np.ndarray, found: np.ndarray, per_pixel: int, steps: int
+    view: View,
+    triangle: np.ndarray,
+    position: np.ndarray,
+    pixels: np.ndarray,
+    ray: np.ndarray,
+    per_pixel: int,
+    steps: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(share of the Sun's disc, state as in `Samples.lit`, distance to the blocker) of each hit."""
-    n = len(hits.triangle)
-    lit, state, blocker = np.zeros(n), np.full(n, -1, np.int8), np.zeros(n, np.float32)
+    """(share of the Sun's disc, `Hits.shadow`, distance to the blocker) of each hit."""
+    n = len(triangle)
+    lit, shadow, blocker = np.zeros(n), np.full(n, -1, np.int8), np.zeros(n, np.float32)
     if not view.lights.has_sun:
-        return lit, state, blocker
+        return lit, shadow, blocker
     which, origins, directions = np.empty(n, np.int64), np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
+    normals = view.model.mesh.normals
     for step in range(max(1, steps)):
-        sun = _sun_directions(view, pixels, found, per_pixel, step, steps)
-        count = shading.sun_rays(hits.position, hits.surface, sun, which, origins, directions)
+        sun = _sun_directions(view, pixels, ray, per_pixel, step, steps)
+        count = shading.sun_rays(triangle, position, view.eye, normals, sun, which, origins, directions)
         index = which[:count]
         distance = view.model.tracer.distance(origins[:count], directions[:count])
         free = np.isinf(distance)
         lit[index] += free / max(1, steps)
-        state[index] = free
+        shadow[index] = free
         blocker[index] = np.where(free, 0.0, distance)
-    return lit, state, blocker
+    return lit, shadow, blocker
 
 
 def _sun_directions(
-    view: View, pixels: np.ndarray, found: np.ndarray, per_pixel: int, step: int, steps: int
+    view: View, pixels: np.ndarray, ray: np.ndarray, per_pixel: int, step: int, steps: int
 ) -> np.ndarray:
     if steps == 0:
-        return np.broadcast_to(view.lights.sun, (len(found), 3))
+        return np.broadcast_to(view.lights.sun, (len(ray), 3))
     directions = np.empty((len(pixels) * per_pixel, 3))
     grid.sun_points(pixels, per_pixel, step, steps, view.lights.sun, SUN_HALF_ANGLE, directions)
-    return directions[found]
+    return directions[ray]
 
 
-def _shade(view: View, hits: Hits, lit: np.ndarray) -> np.ndarray:
-    """(n, 3) radiance of the hits."""
-    mesh, lights = view.model.mesh, view.lights
-    radiance = np.zeros((len(hits.triangle), 3))
-    shading.shade_emission(hits.triangle, mesh.part, view.textures.parts, radiance)
-    if lights.has_sun:
-        shading.shade_sun(hits.surface, lights.sun, lit, lights.sun_irradiance, SUN_WIDENING, radiance)
-    if lights.has_ambient:
-        _shade_ambient(view, hits, radiance)
-    return radiance
+def _surface(view: View, hits: Hits, pixel_rad: float) -> np.ndarray:
+    """(n, 16) description of the surface at each hit, see `surface.COLUMNS`."""
+    mesh, textures = view.model.mesh, view.textures
+    surface = np.empty((len(hits.triangle), COLUMNS))
+    describe(
+        hits.triangle, hits.position, hits.weights, view.eye, pixel_rad, mesh.corners, mesh.normals, mesh.tangents,
+        mesh.part, textures.texels, textures.levels, textures.parts, surface,
+    )  # fmt: skip
+    if not view.reflections:
+        surface[:, 15] = 0.0
+    return surface
 
 
-def _shade_ambient(view: View, hits: Hits, radiance: np.ndarray) -> None:
+def _shade_ambient(view: View, hits: Hits, surface: np.ndarray, radiance: np.ndarray) -> None:
+    """Adds the light cache's diffuse light and what the mirror rays see."""
     mesh, lights, table = view.model.mesh, view.lights, lobe_albedo_table()
     usable = view.model.cache.usable
-    if not view.reflections:
-        hits.surface[:, 15] = 0.0
-    shading.shade_ambient(
-        hits.triangle, hits.weights, hits.surface, mesh.cache, usable, lights.indirect, table, radiance
-    )
+    shading.shade_ambient(hits.triangle, hits.weights, surface, mesh.cache, usable, lights.indirect, table, radiance)
     n = len(hits.triangle)
     which, origins, directions = np.empty(n, np.int64), np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
-    count = shading.mirror_rays(hits.position, hits.surface, which, origins, directions)
+    count = shading.mirror_rays(hits.position, surface, which, origins, directions)
     seen = view.model.tracer.first_hit(origins[:count], directions[:count])
     shading.shade_mirror(
-        which[:count], directions, seen, origins, mesh.corners, mesh.cache, usable, lights.exitance, hits.surface,
+        which[:count], directions, seen, origins, mesh.corners, mesh.cache, usable, lights.exitance, surface,
         lights.environment.radiance, lights.environment.lobes, table, radiance,
     )  # fmt: skip
-
-
-def _scatter(
-    n: int,
-    triangle: np.ndarray,
-    found: np.ndarray,
-    hits: Hits,
-    radiance: np.ndarray,
-    state: np.ndarray,
-    blocker: np.ndarray,
-) -> Samples:
-    """The hits' values at the places of their rays."""
-    full = Samples(
-        triangle, np.zeros((n, 3), np.float32), np.zeros((n, 3)), np.full(n, np.inf, np.float32),
-        np.full(n, -1, np.int8), np.zeros(n, np.float32),
-    )  # fmt: skip
-    full.radiance[found], full.position[found], full.depth[found] = radiance, hits.position, hits.depth
-    full.lit[found], full.blocker[found] = state, blocker
-    return full
