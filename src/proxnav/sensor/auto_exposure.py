@@ -20,9 +20,10 @@ class AutoExposure:
     """Share of full well at which that percentile shall lie."""
     shortest_s: float = 20e-6
     longest_s: float = 10e-3
-    proportional: float = 0.6
-    """Gain of the controller on the logarithm of the exposure."""
-    integral: float = 0.2
+    proportional: float = 0.2
+    """Gain of the controller on the change of the error, a logarithm."""
+    integral: float = 0.6
+    """Gain of the controller on the error; 1 corrects it in one step."""
     lag_frames: int = 1
     """Frames between a measurement and the exposure that it changes."""
 
@@ -33,8 +34,8 @@ class ControlState:
 
     exposure_s: float
     """Of the next frame."""
-    integral: float = 0.0
-    """Sum of past errors (natural logarithm)."""
+    error: float = 0.0
+    """Last error: natural logarithm of level wanted over level expected."""
     queued: tuple[float, ...] = ()
     """Exposures decided but not yet in effect, oldest first."""
 
@@ -59,7 +60,7 @@ def choose_exposure(
 
 
 def measure_level(
-    image: np.ndarray, white_dn: float, black_level_dn: float = 0.0, control: AutoExposure | None = None
+    image: np.ndarray, white_dn: int, black_level_dn: float = 0.0, control: AutoExposure | None = None
 ) -> float:
     """Share of the range above black at which the metered percentile of an image lies: what a controller measures."""
     control = control or AutoExposure()
@@ -69,17 +70,17 @@ def measure_level(
 def control_exposure(state: ControlState, measured_level: float, control: AutoExposure) -> ControlState:
     """State for the next frame from the level measured in this one: PI on the logarithm of the exposure.
 
-    The integral stands still while the exposure is at a limit, so that it does not wind up.
+    In velocity form, d(log t) = ki e + kp de, which cannot wind up at a limit. The error is that expected once the
+    exposures already queued are in effect (the level is proportional to the exposure), so that lag does not upset it.
     """
-    error = math.log(control.level / max(measured_level, 1e-3))
     latest = state.queued[-1] if state.queued else state.exposure_s
-    wanted = latest * math.exp(control.proportional * error + control.integral * state.integral)
-    limited = _limited(wanted, control)
-    integral = 0.8 * state.integral + error if limited == wanted else state.integral
-    queued = (*state.queued, limited)
+    expected_level = max(measured_level, 1e-3) * latest / state.exposure_s
+    error = math.log(control.level / expected_level)
+    step = control.integral * error + control.proportional * (error - state.error)
+    queued = (*state.queued, _limited(latest * math.exp(step), control))
     if len(queued) <= control.lag_frames:
-        return ControlState(state.exposure_s, integral, queued)
-    return ControlState(queued[0], integral, queued[1:])
+        return ControlState(state.exposure_s, error, queued)
+    return ControlState(queued[0], error, queued[1:])
 
 
 def _limited(exposure_s: float, control: AutoExposure) -> float:

@@ -57,9 +57,9 @@ def form_image(frame: Frame, scene: SceneSpec, exposure_s: float, camera: Camera
     rate = blur.gaussian(rate, sensor.psf_sigma_px * pixel_scale)
     kernels = layer_kernels(frame, sensor, scene.exposure, exposure_s, camera, pixel_scale)
     rate = blur_layers(rate, frame.coverage, kernels)
-    rate = glare.veil(rate, sensor.veiling_glare)
     if sensor.flare:
         rate = flare.add_flare(rate, frame, scene, camera)
+    rate = glare.veil(rate, sensor.veiling_glare)
     return glare.halo(rate, sensor.halo, pixel_scale)
 
 

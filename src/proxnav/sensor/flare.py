@@ -165,7 +165,7 @@ def starburst(
     edge, area = diameter * math.sin(math.pi / blades), 0.25 * math.pi * diameter**2
     strength = edge * BAND_CENTRES_M[1] / (4.0 * math.pi**2 * area)
     lens = noise.generator(sensor.serial, "iris")
-    turn = lens.random() * 2.0 * np.pi + lens.normal(0.0, 0.012, blades)
+    turn = lens.random() * 2.0 * np.pi + lens.normal(0.0, 0.005, blades)
     angles = turn + np.arange(blades) * 2.0 * np.pi / blades
     fan = np.tan(np.abs(lens.normal(0.012, 0.005, blades)))  # rad, curvature of each blade
     weights = strength * lens.uniform(0.6, 1.4, blades)
