@@ -269,7 +269,9 @@ def air() -> Air:
     """The tables of the atmosphere, computed at first use."""
     transmittance = _transmittance_table(_T_R, _T_MU, 256)
     multiple = _multiple_table(transmittance, _MS_H, _MS_MU, 16)
+    multiple[:, 0] = 0.0  # night
     coarse = _sky_irradiance_table(transmittance, multiple, 65, 16)
+    coarse[0] = 0.0
     x, fine = np.linspace(0.0, 1.0, 65), np.linspace(0.0, 1.0, SUN_NODES)
     sky = np.stack([np.interp(fine, x, coarse[:, k]) for k in range(3)], axis=-1).astype(np.float32)
     return Air(transmittance, multiple, sky)

@@ -1,4 +1,4 @@
-"""How much cloud stands over a point: weather at large, fractal detail from 250 km down to 300 m, and thin high cloud."""
+"""How much cloud stands over a point: weather at large, fractal detail down to 300 m, and thin high cloud."""
 
 import math
 from functools import cache
@@ -13,7 +13,7 @@ from proxnav.rendering.earth.weather import COLUMNS, ROWS, weather
 
 PERIODS_M = (1100e3, 140e3, 17e3)
 """m, periods of the three layers of detail; each holds wavelengths from a quarter to a fiftieth of it."""
-WEIGHTS = (0.110, 0.075, 0.040)
+WEIGHTS = (0.105, 0.075, 0.042)
 NONE = 10.0
 """Threshold of a sky without cloud."""
 EDGE = 0.10
@@ -33,6 +33,8 @@ class Clouds(NamedTuple):
     """(3, 3) of the layers of detail, in periods."""
     threshold: float
     """Field value at which cloud begins."""
+    pivot: float
+    """Moisture at the edge of weather: beyond it the field saturates and detail decides."""
     thin: float
     """Value of the high field at which thin cloud begins."""
 
@@ -46,7 +48,8 @@ def _moisture(clouds, lon, lat, turn):
     i, j = math.floor(row), math.floor(column)
     fy, fx = row - i, column - j
     i0, i1 = min(max(int(i), 0), ROWS - 1), min(max(int(i) + 1, 0), ROWS - 1)
-    j0, j1 = int(j) % COLUMNS, (int(j) + 1) % COLUMNS
+    j0 = int(j) & (COLUMNS - 1)  # COLUMNS is a power of two
+    j1 = (j0 + 1) & (COLUMNS - 1)
     image = clouds.weather
     top = (1.0 - fx) * image[i0, j0] + fx * image[i0, j1]
     return (1.0 - fy) * top + fy * ((1.0 - fx) * image[i1, j0] + fx * image[i1, j1])
@@ -65,7 +68,9 @@ def large(clouds, x, y, z, lon, lat, footprint_m):
     heap in [0, 1] says how much the detail is heaps rather than sheets; warp bends the finer layers.
     """
     moisture = _moisture(clouds, lon, lat, 0.0)
-    heap = min(1.0, max(0.0, 1.45 - 1.3 * moisture))
+    above = moisture - clouds.pivot
+    heap = min(1.0, max(0.0, 0.45 - 2.0 * above))
+    moisture = clouds.pivot + (0.16 * math.tanh(above / 0.16) if above > 0.0 else 0.30 * math.tanh(above / 0.30))
     weight = fade(footprint_m, PERIODS_M[0])
     if weight <= 0.0:
         return moisture, heap, 0.0
@@ -131,7 +136,7 @@ def clouds(cover: float, seed: int) -> Clouds:
     """The field whose mean cover is `cover`; every seed is other weather."""
     rng = np.random.default_rng([seed, 20])
     shift, mirror, offsets = rng.uniform(0, COLUMNS), bool(rng.integers(2)), rng.random((3, 3))
-    bare = Clouds(weather(), noise.table(), float(shift), mirror, offsets, NONE, 1.0 - 0.6 * cover)
+    bare = Clouds(weather(), noise.table(), float(shift), mirror, offsets, NONE, 1.0 - cover, 1.0 - 0.6 * cover)
     return bare if cover <= 0.0 else bare._replace(threshold=_threshold(bare, cover))
 
 

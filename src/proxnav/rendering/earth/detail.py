@@ -28,27 +28,41 @@ def _level(footprint_m, texel_m):
 @kernel()
 def _ground(eye, world, st, m, out):
     footprint = st[s.FOOTPRINT]
-    level = _level(footprint, 2.0 * math.pi * A_M / world.ground[0].shape[1])
-    read_ground(world.ground[level], st[s.LON], st[s.LAT], m)
-    rough, fine = 0.0, 0.0
+    texel = 2.0 * math.pi * A_M / world.ground[0].shape[1]
+    rough, cells, fine, patches, facing = 0.0, 0.0, 0.0, 0.0, 0.0
     if footprint < 4e3:
         x, y, z = st[s.X], st[s.X + 1], st[s.X + 2]
-        rough, _ = noise.sample(world.clouds.noise, x * 130.0, y * 130.0, z * 130.0)
-        rough *= 1.0 - footprint / 4e3
-        if footprint < 900.0:
-            fine, _ = noise.sample(world.clouds.noise, x * 900.0, y * 900.0, z * 900.0)
-            fine *= 1.0 - footprint / 900.0
+        rough, cells = noise.sample(world.clouds.noise, x * 90.0, y * 90.0, z * 90.0)
+        weight = 1.0 - footprint / 4e3
+        rough, cells = rough * weight, cells * weight
+        if footprint < 1200.0:
+            fine, patches = noise.sample(world.clouds.noise, x * 640.0, y * 640.0, z * 640.0)
+            weight = 1.0 - footprint / 1200.0
+            fine, patches = fine * weight, patches * weight
+            d, t = 1.2 * max(footprint, 200.0) / A_M * 640.0, s.TOWARD
+            there, _ = noise.sample(
+                world.clouds.noise, x * 640.0 + d * st[t], y * 640.0 + d * st[t + 1], z * 640.0 + d * st[t + 2]
+            )
+            facing = (fine - there * weight) / max(1.0, footprint / 200.0)
+    bend = 0.5 * texel / A_M
+    lon = st[s.LON] + bend * (0.9 * rough + 0.35 * fine)
+    lat = st[s.LAT] + bend * (0.7 * cells + 0.35 * patches)
+    read_ground(world.ground[_level(footprint, texel)], lon, lat, m)
     water = m[WATER]
     if 0.02 < water < 0.98:
-        water = min(1.0, max(0.0, (water + 0.16 * rough + 0.10 * fine - 0.5) * 4.0 + 0.5))
+        water = min(1.0, max(0.0, (water + 0.10 * fine - 0.5) * 6.0 + 0.5))
     clear = 1.0 - 0.85 * st[s.SHADOW]
+    rugged = math.sqrt(m[SLOPE_EAST] ** 2 + m[SLOPE_NORTH] ** 2)
     sun = st[s.MU] - RELIEF * (m[SLOPE_EAST] * st[s.SUN_EAST] + m[SLOPE_NORTH] * st[s.SUN_NORTH]) * (1.0 - water)
+    sun += math.sqrt(max(0.0, 1.0 - st[s.MU] ** 2)) * min(0.6, 0.05 + 0.8 * rugged) * facing
     lit = min(1.0, max(0.0, sun)) * clear
-    grain = max(0.4, 1.0 + 0.13 * rough + 0.10 * fine)
+    grain = max(0.4, 1.0 + 0.05 * rough + 0.05 * cells + 0.06 * fine + 0.09 * patches)
+    sparkle = math.exp(1.3 * patches + 0.7 * fine)
     for k in range(3):
-        albedo = m[k] * grain * (1.0 - water) + WATER_REFLECTANCE[k] * water
+        hue = 1.0 + (0.02 * (k - 1)) * (rough - 1.5 * patches)
+        albedo = m[k] * grain * hue * (1.0 - water) + WATER_REFLECTANCE[k] * water
         sea = water * (st[s.MIRROR + k] * clear + st[s.MIRROR_SKY] * st[s.DIFFUSE + k])
-        lamps = m[CITY] * CITY_RADIANCE[k] * st[s.NIGHT + k]
+        lamps = m[CITY] * sparkle * CITY_RADIANCE[k] * st[s.NIGHT + k]
         out[k] = albedo * (st[s.DIRECT + k] * lit + st[s.DIFFUSE + k]) + sea + lamps + st[s.AIR + k]
 
 
@@ -91,12 +105,13 @@ def radiance(eye, world, ends, st, m, out):
     if clouded:
         value, slope = _cloud_field(world, st)
         share = cl.opacity(world.clouds, value)
-        share = 1.0 - (1.0 - share) ** st[s.C_SLANT]
+        if 0.0 < share < 1.0:
+            share = 1.0 - (1.0 - share) ** st[s.C_SLANT]
     if ends == s.ON_GROUND and share < 0.998:
         _ground(eye, world, st, m, out)
     if share > 0.0:
         lit = min(1.3, max(0.30, 1.0 - 0.55 * CLOUD_HEIGHT_M * slope * st[s.C_TILT]))
         thick = max(0.0, value - world.clouds.threshold)
-        _over(st, share, 0.84 - 0.42 * math.exp(-thick / 0.16), lit, out)
+        _over(st, share, 0.82 - 0.47 * math.exp(-thick / 0.15), lit, out)
     if clouded and st[s.CIRRUS] > 0.0:
         _over(st, 1.0 - (1.0 - st[s.CIRRUS]) ** st[s.C_SLANT], 0.62, 1.0, out)

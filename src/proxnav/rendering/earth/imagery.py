@@ -16,7 +16,7 @@ from proxnav.errors import InputError
 from proxnav.rendering.earth.stored import stored
 
 RED, GREEN, BLUE, WATER, SLOPE_EAST, SLOPE_NORTH, CITY = range(7)
-"""Channels. Albedo is (v / 255)^2, water v / 255, slopes (v - 128) / 128, city lights (v / 255)^2."""
+"""Channels. Albedo is (v / 255)^2, water v / 255, slopes v / 127.5 - 1, city lights (v / 255)^2."""
 LEVELS = 6
 
 _GREENLAND_ICE = 0.75  # reflectance of what is white in Blue Marble
@@ -28,10 +28,10 @@ def ground_pyramid() -> tuple[np.ndarray, ...]:
     """LEVELS arrays (rows, columns, 7) uint8, north first, west first; each level halves the one before."""
     named = os.environ.get("PROXNAV_EARTH_IMAGE", "")
     tag = "bluemarble" if not named else hashlib.sha256(_stamp(named).encode()).hexdigest()[:12]
-    levels = [stored(f"ground-1-{tag}-0", lambda: _base_level(named))]
+    levels = [stored(f"ground-2-{tag}-0", lambda: _base_level(named))]
     for level in range(1, LEVELS):
         finer = levels[-1]
-        levels.append(stored(f"ground-1-{tag}-{level}", lambda finer=finer: _halved(finer)))
+        levels.append(stored(f"ground-2-{tag}-{level}", lambda finer=finer: _halved(finer)))
     return tuple(levels)
 
 
@@ -97,7 +97,7 @@ def _base_level(named: str) -> np.ndarray:
     albedo = _albedo(image, water)
     ground[..., :3] = np.round(255.0 * np.sqrt(albedo))
     ground[..., WATER] = water
-    east, north = _slopes(rows, columns)
+    east, north = _slopes(rows, columns, water)
     ground[..., SLOPE_EAST], ground[..., SLOPE_NORTH] = east, north
     ground[..., CITY] = _cities(albedo, water)
     return ground
@@ -111,19 +111,50 @@ def _albedo(image: np.ndarray, water: np.ndarray) -> np.ndarray:
     """
     v = np.arange(256) / 255.0
     linear = np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4).astype(np.float32)
-    reflectance = _GAMMA_LIFT + (_GREENLAND_ICE - _GAMMA_LIFT) * linear[image]
-    return reflectance
+    return _GAMMA_LIFT + (_GREENLAND_ICE - _GAMMA_LIFT) * linear[image]
 
 
-def _slopes(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Slopes of the terrain (signed, offset 128) recovered from the shaded relief."""
-    flat = np.full((rows, columns), 128, dtype=np.uint8)
-    return flat, flat
+def _slopes(rows: int, columns: int, water: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Slopes of the terrain to the east and north, coded (1 + slope) 127.5, recovered from the shaded relief.
+
+    Shading from the north-west is -k grad(h).l; dividing by the direction in the spectrum gives the whole gradient,
+    up to what runs along the light and leaves no shade.
+    """
+    import cv2
+    from scipy import fft
+
+    shaded = _read_image(_basemap_file("shadedrelief.jpg")).mean(axis=-1, dtype=np.float32)
+    shaded = cv2.resize(shaded, (columns, rows), interpolation=cv2.INTER_AREA)
+    dry = cv2.GaussianBlur((water < 64).astype(np.float32), (0, 0), 2.0)
+    shade = (shaded - cv2.GaussianBlur(shaded, (0, 0), 5.0)) * dry * dry
+    ky = -fft.fftfreq(rows)[:, None]  # rows run south
+    kx = fft.rfftfreq(columns)[None, :]
+    along = (-kx + ky) / np.sqrt(2.0)  # towards the light
+    gain = -along / (along**2 + 0.03 * (kx**2 + ky**2) + 1e-12)
+    spectrum = fft.rfft2(shade)
+    east, north = (fft.irfft2(spectrum * gain * k, s=shade.shape) / 70.0 for k in (kx, ky))
+    coded = [np.round(127.5 * (1.0 + np.clip(slope, -1.0, 1.0))).astype(np.uint8) for slope in (east, north)]
+    return coded[0], coded[1]
 
 
 def _cities(albedo: np.ndarray, water: np.ndarray) -> np.ndarray:
-    """Where people light the night: a stand-in without data."""
-    return np.zeros(water.shape, dtype=np.uint8)
+    """City lights coded 255 sqrt(v): towns strewn where people tend to live. A stand-in, not a map of real cities."""
+    import cv2
+
+    rows, columns = water.shape
+    rng = np.random.default_rng(3)
+    lat = 90.0 - (np.arange(rows) + 0.5) * 180.0 / rows
+    settled = np.exp(-(((lat - 40.0) / 14.0) ** 2)) + 0.45 * np.exp(-(((np.abs(lat) - 22.0) / 14.0) ** 2))
+    shore = cv2.GaussianBlur(water.astype(np.float32) / 255.0, (0, 0), 12.0)
+    land = (water < 100) & (albedo[..., 0] < 0.16) & (albedo[..., 0] > 0.016)
+    regions = cv2.resize(rng.random((24, 48), dtype=np.float32), (columns, rows), interpolation=cv2.INTER_CUBIC)
+    density = (settled * np.cos(np.radians(lat)))[:, None] * land * (0.25 + shore) * np.clip(regions, 0.0, 1.0) ** 3
+    total = np.cumsum(density.ravel(), dtype=np.float64)
+    where = np.searchsorted(total, rng.random(16_000) * total[-1])
+    lights = np.zeros((rows, columns), dtype=np.float32)
+    np.add.at(lights.ravel(), where, (0.25 * rng.pareto(1.3, 16_000)).clip(0.0, 60.0).astype(np.float32))
+    glow = cv2.GaussianBlur(lights, (0, 0), 0.6) + 0.5 * cv2.GaussianBlur(lights, (0, 0), 1.6)
+    return np.round(255.0 * np.sqrt(np.clip(glow, 0.0, 1.0))).astype(np.uint8)
 
 
 def _halved(level: np.ndarray) -> np.ndarray:

@@ -34,6 +34,7 @@ BEYOND, IN_AIR, ON_CLOUD, ON_GROUND = 0, 1, 2, 3
 """Where a ray ends: in space, in space through the air, on the cloud shell but not the ground, on the ground."""
 
 _SLOPE_STEP_M = 8e3
+AIRGLOW = np.array([5e-12, 8e-12, 1.5e-12])  # W/(m^3 sr): 200 to 300 rayleigh overhead, mostly the 557.7 nm line
 
 
 class Eye(NamedTuple):
@@ -90,6 +91,16 @@ def _light(eye, world, height_m, mu_sun, st, direct, diffuse):
 
 
 @kernel()
+def _airglow_path(radius, down, passes):
+    """Length [m] of a ray inside the glowing layer, 87 to 97 km high; `passes` is 1 if it ends on Earth, else 2."""
+    if radius < A_M + 97e3 or down <= 0.0:
+        return 0.0
+    low2 = radius * radius * (1.0 - down * down)
+    outer, inner = (A_M + 97e3) ** 2 - low2, (A_M + 87e3) ** 2 - low2
+    return passes * (math.sqrt(max(0.0, outer)) - math.sqrt(max(0.0, inner)))
+
+
+@kernel()
 def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air):
     """Air in front into st[air:], transmittance of the path into st[direct:]."""
     if not eye.atmosphere:
@@ -99,6 +110,9 @@ def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air)
     look(aerial, world.transmittance, world.multiple, kind, down, cos_azimuth, nu, work)
     for k in range(3):
         st[direct + k], st[air + k] = work[3 + k], work[k] * eye.irradiance[k]
+    glow = _airglow_path(aerial.radius, down, 2.0 if kind == SKY else 1.0)
+    for k in range(3):
+        st[air + k] += AIRGLOW[k] * glow
 
 
 @kernel()
