@@ -8,7 +8,8 @@ import numpy as np
 
 from proxnav.datasets.labelling import label_frame
 from proxnav.datasets.records import Frame, FrameLabel, SceneSpec
-from proxnav.rendering.cycles import CyclesConfig, CyclesRenderer
+from proxnav.rendering.cycles.config import CyclesConfig
+from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.sensor.expose import expose
 from proxnav.targets.loading import load_target

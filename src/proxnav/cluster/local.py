@@ -1,6 +1,7 @@
 """Jobs over the cores of this machine: each process builds its tool once, a process that dies is replaced."""
 
 import multiprocessing
+import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -43,9 +44,13 @@ def run_jobs(
 def in_order(
     make_job: Callable[[], Callable[[Item], Result]], items: Iterator[Item], workers: int, ahead: int = 64
 ) -> Iterator[Result]:
-    """Results in the order of an endless stream of items, up to `ahead` of them computed before they are asked for."""
+    """Results in the order of an endless stream of items, up to `ahead` of them computed before they are asked for.
+
+    The workers yield to the process that they feed: with the cores shared evenly, a learner's threads would wait for
+    each other at every layer.
+    """
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, context, initializer=_build, initargs=(make_job,))
+    pool = ProcessPoolExecutor(workers, context, initializer=_build_politely, initargs=(make_job,))
     pending: deque[Future[Result]] = deque()
     try:
         for item in items:
@@ -81,6 +86,12 @@ _job: Callable[[Any], Any] | None = None  # one per worker process, set by its i
 def _build(make_job: Callable[[], Callable[[Any], Any]]) -> None:
     global _job
     _job = make_job()
+
+
+def _build_politely(make_job: Callable[[], Callable[[Any], Any]]) -> None:
+    if hasattr(os, "nice"):
+        os.nice(10)
+    _build(make_job)
 
 
 def _call(item: Any) -> Any:

@@ -1,6 +1,6 @@
 """`proxnav render`: a data set or a sequence, from a preset or a trajectory file."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -11,8 +11,9 @@ from proxnav.commands.progress import progress
 from proxnav.datasets.records import SceneSpec
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, Renderer
-from proxnav.pipeline import draw_scenes, fly, follow, render
-from proxnav.trajectories.reader import ReaderConfig
+from proxnav.pipeline import draw_scenes, follow, render
+from proxnav.trajectories.read import read_trajectory
+from proxnav.trajectories.readers.config import ReaderConfig
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class RenderConfig:
     out: Path
     """Folder of the data set."""
     preset: str = "observation-10-100m"
-    """observation-10-100m, study, spiral-10-100m or sroc-200-350m."""
+    """observation-10-100m, study, spiral-10-100m, approach-100-10m or sroc-200-350m."""
     trajectory: tuple[Path, ...] = ()
     """Trajectory file(s) in place of the preset's poses: STK .e/.a/csv, MATLAB csv, Basilisk csv, CCSDS OEM/AEM."""
     reader: ReaderConfig = field(default_factory=ReaderConfig)
@@ -58,10 +59,10 @@ def scenes_of(config: RenderConfig) -> list[SceneSpec]:
     """The scenes that a configuration asks for."""
     preset = presets.preset(config.preset)
     if config.target is not None:
-        preset = presets.with_target(preset, config.target)
+        preset = replace(preset, target=config.target)
     frames = config.frames or preset.frames
     if config.trajectory:
-        return follow(fly(config.trajectory, config.reader), preset, frames, config.seed, config.size)
+        return follow(read_trajectory(config.trajectory, config.reader), preset, frames, config.seed, config.size)
     if preset.trajectory:
-        return follow(presets.generate(preset.trajectory), preset, frames, config.seed, config.size)
+        return follow(presets.flight(preset.trajectory), preset, frames, config.seed, config.size)
     return draw_scenes(preset, frames, config.seed, config.size)

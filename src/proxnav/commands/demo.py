@@ -1,0 +1,55 @@
+"""`proxnav demo`: the whole chain, small: fly a stretch of the spiral, render it, estimate, compare, report."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+from proxnav import presets
+from proxnav.commands.estimate import estimate_images, find_images
+from proxnav.commands.progress import progress
+from proxnav.datasets.files import write_atomic
+from proxnav.estimator import PoseEstimator
+from proxnav.frames import FrameConfig, Renderer
+from proxnav.pipeline import follow, judge, render, write_run
+from proxnav.viewing.report import report_html
+
+
+@dataclass(frozen=True)
+class DemoConfig:
+    """Renders a stretch of the spiral with shipped weights in the loop and writes a report one can look at."""
+
+    out: Path = Path("out/demo")
+    """Folder of the run."""
+    preset: str = "spiral-10-100m"
+    """A preset with a trajectory."""
+    frames: int = 12
+    renderer: Renderer = "cycles"
+    """cycles (Blender) or raycast."""
+    samples: int = 16
+    """Cycles: samples per pixel."""
+    model: str = "space-rider"
+    """Name of a shipped model, or a folder with a model.json."""
+    seed: int = 0
+
+
+def main(argv: list[str]) -> None:
+    """Entry of `proxnav demo`."""
+    run(tyro.cli(DemoConfig, args=argv, prog="proxnav demo"))
+
+
+def run(config: DemoConfig) -> None:
+    """Fly, render, estimate, judge, write."""
+    preset = presets.preset(config.preset)
+    estimator = PoseEstimator.load(config.model)
+    scenes = follow(presets.flight(preset.trajectory), preset, config.frames, config.seed)
+    with progress(f"render ({config.renderer})", len(scenes)) as done:
+        images = config.out / f"images-{config.renderer}"
+        dataset = render(scenes, FrameConfig(config.renderer, config.samples), images, 1, done)
+    judgement = judge(estimate_images(estimator, find_images(images), dataset.camera), dataset)
+    write_run(config.out, judgement, dataset, estimator)
+    write_atomic(
+        config.out / "report.html", report_html(judgement.frames, config.out, f"demo: {config.preset}").encode()
+    )
+    print(judgement.text())
+    print(f"\nlook at {config.out / 'report.html'} and {config.out / 'overlays'}")
