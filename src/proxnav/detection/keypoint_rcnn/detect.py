@@ -1,0 +1,80 @@
+"""From an image to keypoints, whatever runs the network: torch or ONNX Runtime."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float, UInt8
+
+from proxnav.datasets.records import Keypoints
+from proxnav.detection.heatmap.crop import Crop, cut
+from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps
+from proxnav.detection.keypoint_rcnn.masks import paste
+from proxnav.detection.keypoint_rcnn.views import grey, whole
+
+ZOOM_MARGIN = 1.4
+"""Side of the second look over the longer side of the box found by the first."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """The network's best box in its square input; pixels are those of the input."""
+
+    box_xyxy: Float[np.ndarray, "4"]
+    score: float
+    keypoint_maps: Float[np.ndarray, "n s s"]
+    """Logits over the box."""
+    mask_map: Float[np.ndarray, "m m"] | None = None
+    """Probability of the target over the box."""
+
+
+RunNetwork = Callable[[UInt8[np.ndarray, "side side"]], Found]
+
+
+@dataclass(frozen=True)
+class DetectConfig:
+    """How the network's answer is read."""
+
+    min_score: float = 0.5
+    """Least score of the box; below it there is no target."""
+    looks: int = 1
+    """2 looks again at the square round the first box, from the full-resolution image."""
+    calibration: Calibration = field(default_factory=Calibration)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detection:
+    """Keypoints and, from a network with a mask head, the target's pixels."""
+
+    keypoints: Keypoints
+    mask: Bool[np.ndarray, "h w"] | None = None
+
+
+def detect(run: RunNetwork, image: np.ndarray, side: int, n_keypoints: int, config: DetectConfig) -> Detection:
+    """Keypoints of one image (h, w) or (h, w, 3) of 8 or 16 bits, in its own corner-origin pixels."""
+    if image.ndim not in (2, 3) or 0 in image.shape or image.dtype not in (np.uint8, np.uint16):
+        return Detection(Keypoints.none("bad_image", n_keypoints))
+    picture = grey(image)
+    view, found = whole(picture), None
+    for _ in range(config.looks):
+        if found is not None:
+            view = Crop.around(view.to_image(found.box_xyxy.reshape(2, 2), side).ravel(), ZOOM_MARGIN)
+        found = run(cut(picture, view, side))
+        if found.score < config.min_score:
+            return Detection(Keypoints.none("no_target", n_keypoints))
+    assert found is not None
+    return _in_image(found, view, side, picture.shape, config.calibration)
+
+
+def _in_image(found: Found, view: Crop, side: int, shape: tuple[int, ...], calibration: Calibration) -> Detection:
+    points, spread, scores = decode_maps(found.keypoint_maps, found.box_xyxy)
+    box = view.to_image(found.box_xyxy.reshape(2, 2), side).ravel()
+    keypoints = Keypoints(
+        "ok",
+        view.to_image(points, side),
+        covariances(spread, view.size / side, calibration),
+        scores * found.score,
+        box,
+    )
+    mask = None if found.mask_map is None else paste(found.mask_map, box, (shape[0], shape[1]))
+    return Detection(keypoints, mask)

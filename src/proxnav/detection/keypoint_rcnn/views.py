@@ -1,0 +1,56 @@
+"""What the network sees of an image: a square of it, grey, at the network's side."""
+
+import cv2
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from proxnav.detection.heatmap.crop import Crop, cut
+from proxnav.detection.samples import TrainingSample
+
+
+def grey(image: np.ndarray) -> UInt8[np.ndarray, "h w"]:
+    """8-bit grey of a grey or colour image of 8 or 16 bits (the upper eight)."""
+    if image.dtype == np.uint16:
+        image = (image >> 8).astype(np.uint8)
+    return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image
+
+
+def whole(image: np.ndarray) -> Crop:
+    """The square that holds the whole image, from its upper left corner."""
+    return Crop(0, 0, max(image.shape[:2]))
+
+
+def zoomed(box_xyxy: Float[np.ndarray, "4"], rng: np.random.Generator) -> Crop:
+    """A square around the box with a random margin and offset."""
+    size = box_xyxy[2:] - box_xyxy[:2]
+    moved = box_xyxy + np.tile(rng.uniform(-0.1, 0.1, 2) * size.max(), 2)
+    return Crop.around(moved, margin=rng.uniform(1.15, 2.0))
+
+
+def seen_through(sample: TrainingSample, view: Crop, side: int) -> TrainingSample:
+    """The sample as the network sees it; points and box beyond the view are cut off."""
+    points = view.to_network(sample.keypoints_px, side)
+    inside = ((points >= 0) & (points < side)).all(axis=1)
+    corners = view.to_network(sample.box_xyxy.reshape(2, 2), side)
+    box = np.clip(corners, 0.0, side).ravel()
+    mask = None if sample.mask is None else cut(sample.mask.astype(np.uint8) * 255, view, side) > 127
+    image = cut(grey(sample.image), view, side)
+    return TrainingSample(image, points, np.where(inside, sample.visibility, 0), box, mask)
+
+
+def quarter_turned(sample: TrainingSample, turns: int) -> TrainingSample:
+    """A square sample after quarter turns of the camera about its axis: corner-origin (x, y) -> (y, side - x)."""
+    side = sample.image.shape[0]
+    points, box, image, mask = sample.keypoints_px, sample.box_xyxy, sample.image, sample.mask
+    for _ in range(turns):
+        points = np.stack([points[:, 1], side - points[:, 0]], axis=1)
+        box = np.array([box[1], side - box[2], box[3], side - box[0]])
+        image = np.ascontiguousarray(np.rot90(image))
+        mask = None if mask is None else np.ascontiguousarray(np.rot90(mask))
+    return TrainingSample(image, points, sample.visibility, box, mask)
+
+
+def padded(box_xyxy: Float[np.ndarray, "4"], share: float, side: int) -> Float[np.ndarray, "4"]:
+    """The box grown by `share` of its width and height on every side, within the view."""
+    size = np.tile(box_xyxy[2:] - box_xyxy[:2], 2)
+    return np.clip(box_xyxy + np.array([-1.0, -1.0, 1.0, 1.0]) * share * size, 0.0, side)
