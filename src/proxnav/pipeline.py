@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Bool
 
 from proxnav.cluster.local import run_jobs
 from proxnav.datasets.dataset import Dataset, encode_png
@@ -22,6 +23,7 @@ from proxnav.evaluation.summary import Summary, by_range, summarise_frames
 from proxnav.evaluation.table import consistency_line, range_table, table1
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
+from proxnav.geometry.arrays import unit
 from proxnav.presets import Preset
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.scenes.random_scene import random_scene
@@ -40,15 +42,22 @@ def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None)
 
 
 def follow(trajectory: Trajectory, preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
-    """`frames` scenes spread evenly over the sunlit part of a trajectory; over all of it if the Sun never shines."""
-    lit = trajectory.sun_visible > 0.5
-    seen = spread(select(trajectory, lit) if lit.any() else trajectory, frames)
+    """`frames` scenes spread evenly over the observable part of a trajectory; over all of it if there is none."""
+    usable = observable(trajectory, preset.scenes.sun.max_phase_rad)
+    seen = spread(select(trajectory, usable) if usable.any() else trajectory, frames)
     camera = resized(preset.camera, size)
     config = SceneConfig(sensor=preset.scenes.sensor, cloud_seed=seed, sequence=seen.source)
     return [
         scene_at(seen, k, index=k, target=preset.target, camera=camera, config=config, seed=seed)
         for k in range(len(seen))
     ]
+
+
+def observable(trajectory: Trajectory, max_phase_rad: float) -> Bool[np.ndarray, "n"]:
+    """Instants at which the target is sunlit and the angle Sun-target-camera is at most `max_phase_rad`."""
+    to_camera = unit(trajectory.r_eci_chaser_m - trajectory.r_eci_target_m)
+    cosine = np.einsum("ni,ni->n", to_camera, trajectory.sun_eci)
+    return (trajectory.sun_visible > 0.5) & (cosine > np.cos(max_phase_rad))
 
 
 def resized(camera: Camera, size: int | None) -> Camera:
