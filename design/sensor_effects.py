@@ -6,7 +6,7 @@ Effects are shown several times stronger than in the presets, where they would h
 say how strong. The last row is the speed-class preset as it is.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import cv2
@@ -36,7 +36,7 @@ class Panel:
 
     caption: str
     sensor: SensorSpec
-    exposure: ExposureSpec = ExposureSpec()
+    exposure: ExposureSpec = field(default_factory=ExposureSpec)
     stops: float = 0.0
     zoom: int = 1
 

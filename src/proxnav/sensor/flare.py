@@ -37,6 +37,18 @@ class SunInLens:
     """(3,) W/m^2 that enter the front lens in the three bands: what is left after eclipse, occlusion and hood."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FlarePart:
+    """Light that one effect adds to a box of the window."""
+
+    box: tuple[slice, slice]
+    """(rows, columns) of the window."""
+    shape: np.ndarray
+    """(rows, columns) float32, radiance for an irradiance of 1 [1/sr]."""
+    colour: np.ndarray
+    """(3,) factor of each band."""
+
+
 def sun_in_lens(frame: Frame, scene: SceneSpec, camera: Camera) -> SunInLens | None:
     """The Sun before this camera, or None where no sunlight enters the lens."""
     direction = unit(scene.T_cam_target.R @ np.array(scene.sun.direction_target))
@@ -61,25 +73,21 @@ def add_flare(rate: np.ndarray, frame: Frame, scene: SceneSpec, camera: Camera) 
     weights = electrons_per_radiance(scene.sensor) * sun.irradiance
     out = rate.copy()
     _brighten_disc(out, frame, camera, sun, weights)
-    for shape, colour in _maps(frame, scene, camera, sun):
-        out += _coloured(shape, colour * weights, mono=rate.ndim == 2)
+    for part in _parts(frame, scene, camera, sun):
+        band_weights = (part.colour * weights).astype(np.float32)
+        out[part.box] += part.shape * band_weights.sum() if rate.ndim == 2 else part.shape[..., None] * band_weights
     return out
 
 
-def _coloured(shape: np.ndarray, weights: Float[np.ndarray, "band=3"], mono: bool) -> np.ndarray:
-    """A distribution in electrons per second: summed over the bands, or (h, w, 3)."""
-    return shape * np.float32(weights.sum()) if mono else shape[..., None] * weights.astype(np.float32)
-
-
-def _maps(
-    frame: Frame, scene: SceneSpec, camera: Camera, sun: SunInLens
-) -> list[tuple[Float[np.ndarray, "height width"], Float[np.ndarray, "band=3"]]]:
-    """(shape [1/sr], colour) of each part of the flare, for an irradiance of 1."""
+def _parts(frame: Frame, scene: SceneSpec, camera: Camera, sun: SunInLens) -> list[FlarePart]:
     sensor, window = scene.sensor, frame.window
-    parts = [(scatter(window, camera, sun) * np.float32(sensor.sun_scatter), np.ones(3))]
+    everywhere = (slice(0, window.height), slice(0, window.width))
+    scattered = scatter(window, camera, sun) * np.float32(sensor.sun_scatter)
+    parts = [FlarePart(everywhere, scattered, np.ones(3))]
     if sensor.aperture_blades > 0:
         # the strength of diffraction goes with the wavelength; the shape is computed at the green band's
-        parts.append((starburst(window, camera, scene.camera, sensor, sun), BAND_CENTRES_M / BAND_CENTRES_M[1]))
+        star = starburst(window, camera, scene.camera, sensor, sun)
+        parts.append(FlarePart(everywhere, star, BAND_CENTRES_M / BAND_CENTRES_M[1]))
     return parts + ghosts(window, camera, sensor, sun)
 
 
@@ -178,10 +186,19 @@ def starburst(
 @njit(cache=True, nogil=True)
 @no_type_check
 def _starburst(out, x, y, f, radius, c, s, fan, weights):
+    height, width = out.shape
+    farthest = (abs(x) + abs(y) + width + height) / f
     for k in range(len(c)):
-        for i in range(out.shape[0]):
+        widest = np.sqrt(radius * radius + (farthest * fan[k]) ** 2)
+        for i in range(height):
             v = (i + 0.5 - y) / f
-            for j in range(out.shape[1]):
+            # columns of this row that the spike can reach: |v c - u s| < widest
+            first, last = 0, width
+            if abs(s[k]) > 1e-6:
+                middle, reach = v * c[k] / s[k] * f + x, widest / abs(s[k]) * f
+                first = int(min(max(middle - reach, 0.0), width))
+                last = int(min(max(middle + reach + 1.0, 0.0), width))
+            for j in range(first, last):
                 u = (j + 0.5 - x) / f
                 along = u * c[k] + v * s[k]
                 across = v * c[k] - u * s[k]
@@ -220,34 +237,43 @@ def lens_ghosts(sensor: SensorSpec) -> list["_Ghost"]:
     return ghosts
 
 
-def ghosts(
-    window: Window, camera: Camera, sensor: SensorSpec, sun: SunInLens
-) -> list[tuple[Float[np.ndarray, "height width"], Float[np.ndarray, "band=3"]]]:
-    """(shape [1/sr], colour) of each ghost that reaches the window: out-of-focus images of the iris."""
+def ghosts(window: Window, camera: Camera, sensor: SensorSpec, sun: SunInLens) -> list[FlarePart]:
+    """The ghosts that reach the window: out-of-focus images of the iris, on the line through the principal point."""
     axis = np.array([camera.cx, camera.cy])
-    lens = noise.generator(sensor.serial, "iris")
-    turn = lens.random() * 2.0 * np.pi
+    turn = noise.generator(sensor.serial, "iris").random() * 2.0 * np.pi
     found = []
     for ghost in lens_ghosts(sensor):
-        out = np.zeros((window.height, window.width), dtype=np.float32)
-        x, y = axis + ghost.place * (sun.centre_px - axis) - (window.x, window.y)
+        centre = axis + ghost.place * (sun.centre_px - axis) - (window.x, window.y)
         radius_px = ghost.radius * camera.fx
+        box = _box(window, centre, 1.1 * radius_px + 2.0)
+        if box is None:
+            continue
+        shape = np.zeros((box[0].stop - box[0].start, box[1].stop - box[1].start), dtype=np.float32)
         # the barrel cuts the pencil of rays the more the farther the Sun is off the axis
         cut = (axis - sun.centre_px) / camera.fx * 0.9 * np.sign(ghost.place) * radius_px
         level = ghost.share / (np.pi * ghost.radius**2)
-        if _ghost(out, x, y, radius_px, sensor.aperture_blades, turn, level, ghost.rim, cut[0], cut[1]):
-            found.append((out, np.array(ghost.colour)))
+        x, y = centre - (box[1].start, box[0].start)
+        _ghost(shape, x, y, radius_px, sensor.aperture_blades, turn, level, ghost.rim, cut[0], cut[1])
+        found.append(FlarePart(box, shape, np.array(ghost.colour)))
     return found
+
+
+def _box(window: Window, centre: np.ndarray, reach_px: float) -> tuple[slice, slice] | None:
+    """(rows, columns) of the part of the window within reach of a point in it; None when that is empty."""
+    low = np.maximum(np.floor(centre - reach_px), 0.0).astype(int)
+    high = np.minimum(np.ceil(centre + reach_px), (window.width, window.height)).astype(int)
+    if (high <= low).any():
+        return None
+    return slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))
 
 
 @njit(cache=True, nogil=True)
 @no_type_check
 def _ghost(out, x, y, radius, blades, turn, level, rim, cut_x, cut_y):
-    """Fill the polygon (rounded, soft-edged) that the barrel's shifted circle leaves; returns whether any was drawn."""
-    drawn = False
+    """Fill the polygon (rounded, soft-edged) that the barrel's shifted circle leaves."""
     soft = max(0.06 * radius, 1.0)
-    for i in range(max(int(y - radius - soft), 0), min(int(y + radius + soft) + 2, out.shape[0])):
-        for j in range(max(int(x - radius - soft), 0), min(int(x + radius + soft) + 2, out.shape[1])):
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
             u, v = j + 0.5 - x, i + 0.5 - y
             r = np.sqrt(u * u + v * v)
             limit = radius
@@ -261,5 +287,3 @@ def _ghost(out, x, y, radius, blades, turn, level, rim, cut_x, cut_y):
             if inside > -0.5:
                 edge = min(inside + 0.5, 1.0)
                 out[i, j] = level * edge * edge * (3.0 - 2.0 * edge) * (1.0 + rim * ((r / radius) ** 4 - 1.0 / 3.0))
-                drawn = True
-    return drawn

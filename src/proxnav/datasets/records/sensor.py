@@ -68,7 +68,7 @@ class SensorSpec:
     """Time after the exposure during which particles still leave tracks."""
     halo: float = 0.0
     """Share of the light that the lens spreads into a soft halo about bright things (optical bloom)."""
-    sun_scatter: float = 0.005
+    sun_scatter: float = 0.01
     """Share of the Sun's light in the lens that scatters over the image; used when `flare` is on."""
     aperture_blades: int = 7
     """Straight edges of the iris, which make the starburst's spikes; 0 is a round aperture without spikes."""
