@@ -5,7 +5,6 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
-from scipy.interpolate import KroghInterpolator
 
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
@@ -13,6 +12,7 @@ from proxnav.geometry.epochs import Instant
 from proxnav.geometry.pointing import continuous
 from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.trajectories.readers.frames import Frame, q_eci_frame, state_to_eci
+from proxnav.trajectories.readers.polynomials import polynomials
 
 Method = Literal["lagrange", "hermite"]
 Series = Float[np.ndarray, "n"]
@@ -105,7 +105,7 @@ def rate_note(t: Series, q: QuatWxyz, rates: Vector3) -> str:
     return f"its quaternions turn by {departure:.3g} rad/s other than its rate columns say; trust neither blindly"
 
 
-def split(t: Series, boundaries: Series) -> list[slice]:
+def split(t: Series, boundaries: Float[np.ndarray, "n_boundaries"]) -> list[slice]:
     """Rows of each segment: split where two rows share their time and at the boundaries, whose row serves both."""
     pieces, start = [], 0
     for k in range(1, len(t)):
@@ -139,11 +139,11 @@ def _interpolate_states(history: OrbitHistory, segment: Segment, t: Series) -> t
     if segment.rates is None and len(segment.t) < 2:
         raise InputError(f"{history.source}: a single position without velocity is no orbit; give two points or more")
     if history.method == "hermite" and segment.rates is not None:
-        return _polynomials(segment.t, segment.values, segment.rates, t, history.nodes)
-    r, slope = _polynomials(segment.t, segment.values, None, t, history.nodes)
+        return polynomials(segment.t, segment.values, segment.rates, t, history.nodes)
+    r, slope = polynomials(segment.t, segment.values, None, t, history.nodes)
     if segment.rates is None:
         return r, slope
-    return r, _polynomials(segment.t, segment.rates, None, t, history.nodes)[0]
+    return r, polynomials(segment.t, segment.rates, None, t, history.nodes)[0]
 
 
 def _interpolate_attitudes(segment: Segment, t: Series, nodes: int) -> QuatWxyz:
@@ -151,24 +151,6 @@ def _interpolate_attitudes(segment: Segment, t: Series, nodes: int) -> QuatWxyz:
     if len(segment.t) == 1:
         return np.tile(q, (len(t), 1))
     if nodes > 2:
-        return quaternion.normalize(_polynomials(segment.t, q, None, t, nodes)[0])
+        return quaternion.normalize(polynomials(segment.t, q, None, t, nodes)[0])
     k = np.clip(np.searchsorted(segment.t, t, side="right") - 1, 0, len(segment.t) - 2)
     return quaternion.slerp(q[k], q[k + 1], (t - segment.t[k]) / (segment.t[k + 1] - segment.t[k]))
-
-
-def _polynomials(
-    tn: Series, yn: np.ndarray, slopes: np.ndarray | None, t: Series, nodes: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Values and derivatives at `t` of the polynomials through the nearest `nodes` points (and their slopes)."""
-    size = min(nodes, len(tn))
-    start = np.clip(np.searchsorted(tn, t) - size // 2, 0, len(tn) - size)
-    value, slope = np.empty((len(t), yn.shape[1])), np.empty((len(t), yn.shape[1]))
-    for first in np.unique(start):
-        window, here = slice(first, first + size), start == first
-        centre, scale = tn[first + size // 2], max(tn[first + size - 1] - tn[first], 1.0)  # keeps powers near one
-        x, y = (tn[window] - centre) / scale, yn[window]
-        if slopes is not None:
-            x, y = np.repeat(x, 2), np.stack([y, scale * slopes[window]], axis=1).reshape(2 * size, -1)
-        both = KroghInterpolator(x, y).derivatives((t[here] - centre) / scale, 2)
-        value[here], slope[here] = both[0], both[1] / scale
-    return value, slope

@@ -60,7 +60,7 @@ def read_stk(path: str | Path, kind: str, data_blocks: set[str]) -> StkFile:
         elif word in data_blocks or word.startswith("covariance"):
             block = word
             file.blocks[block] = []
-        elif block and not word[0].isalpha():
+        elif block:  # nothing but data stands between a block's name and its end
             file.blocks.setdefault(block, []).append(Row(count, tuple(tokens)))
         elif word[0].isalpha():
             file.keywords[word] = (count, line.split("#", 1)[0].strip()[len(tokens[0]) :].strip())
