@@ -1,4 +1,4 @@
-"""The pose on which most points agree, the best pose that contradicts it, and the noise the points show."""
+"""The pose on which most points agree, and the best pose that contradicts it."""
 
 from dataclasses import dataclass
 
@@ -16,9 +16,7 @@ from proxnav.pose.kernels.refinement import distances, normal_equations, refine
 LOSSES = {"squares": 0, "huber": 1, "cauchy": 2}
 _WEIGHT_FLOOR_PX2 = 1e-6  # keeps a zero covariance invertible
 _SEARCH_WIDENING = 2.0  # a pose of three noisy points is worse than the refined one: the search gate is wider
-_LARGEST_NOISE_SHARE = 0.05  # of the spread of the points in the image: more would make any cloud of points agree
 _MIRROR_STEPS = 8  # Levenberg-Marquardt steps given to the pose behind the camera
-_MEDIAN_D2 = 1.3863  # median of chi-square with 2 degrees of freedom
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,23 +67,6 @@ def seen_from_behind(data: Correspondences, config: PoseConfig) -> bool:
         return False
     close = _d2(modes_R[best], modes_t[best], data, gate_info, side=-1.0) <= config.gate_sigma**2
     return _is_consensus(close, data, config)
-
-
-def noise_ladder(data: Correspondences, config: PoseConfig) -> list[float]:
-    """Multiples of `config.sigma_px` to try where the keypoints came without covariances: 1, 2, 4 ..."""
-    largest = config.max_sigma_px / config.sigma_px
-    spread_px = float(np.sqrt(data.pixels.var(axis=0).sum()))
-    sensible = _LARGEST_NOISE_SHARE * spread_px / config.sigma_px
-    scales = [1.0]
-    while 2.0 * scales[-1] <= min(largest, sensible):
-        scales.append(2.0 * scales[-1])
-    return scales
-
-
-def measured_noise(fit: Fit, data: Correspondences) -> float:
-    """Noise that the residuals show, as a multiple of the assumed: from the median, so half may be outliers."""
-    n = len(data.X)
-    return float(np.sqrt(np.median(fit.d2(data)) / _MEDIAN_D2 * n / max(n - 3, 1)))
 
 
 def information(fit: Fit, data: Correspondences, config: PoseConfig) -> Float[np.ndarray, "6 6"]:

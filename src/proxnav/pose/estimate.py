@@ -13,14 +13,13 @@ from proxnav.pose.consensus import (
     cost_behind,
     fit_consensus,
     information,
-    measured_noise,
-    noise_ladder,
     rms_px,
     seen_from_behind,
     turn_between,
 )
 from proxnav.pose.intake import Correspondences, as_flags, correspondences
 from proxnav.pose.kernels.refinement import to_wxyz
+from proxnav.pose.noise import fit_at_unknown_noise
 
 _DEFAULTS = PoseConfig()
 _FAR_APART = 16.0  # squared 4 sigma: a rival closer than this is covered by the covariance
@@ -52,23 +51,11 @@ def estimate_pose(
     if data.places < config.min_inliers:
         return PoseResult.failure("too_few_points", len(data.keep))
     noise_unknown = covariances_px2 is None
-    fit = _at_unknown_noise(data, config) if noise_unknown else fit_consensus(data, 1.0, config)
+    fit = fit_at_unknown_noise(data, config) if noise_unknown else fit_consensus(data, 1.0, config)
     if fit is None or not agrees(fit, data, config):
         behind = seen_from_behind(data, config)
         return PoseResult.failure("behind_camera" if behind else "no_consensus", len(data.keep))
     return _judged(fit, data, camera, noise_unknown, config)
-
-
-def _at_unknown_noise(data: Correspondences, config: PoseConfig) -> Fit | None:
-    """The fit at the smallest noise of the ladder at which the points agree, then at the noise that they show."""
-    ladder = noise_ladder(data, config)
-    for scale in ladder:
-        fit = fit_consensus(data, scale, config)
-        if fit is not None and agrees(fit, data, config):
-            shown = min(scale * measured_noise(fit, data), ladder[-1])
-            refit = fit_consensus(data, shown, config) if shown > 1.2 * scale else None
-            return refit if agrees(refit, data, config) else fit
-    return None
 
 
 def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool, config: PoseConfig) -> PoseResult:

@@ -34,6 +34,8 @@ class Correspondences:
     """Number of distinct places."""
     centroid: Float[np.ndarray, "3"]
     lens: Float[np.ndarray, "10"]
+    image_px2: float
+    """Area of the image."""
 
 
 def correspondences(
@@ -63,7 +65,9 @@ def correspondences(
         points, pixels, xy, covariances, label = (a[keep] for a in (points, pixels, xy, covariances, label))
         places = len(set(label.tolist()))
     centroid = points.sum(axis=0) / max(len(points), 1)
-    return Correspondences(points - centroid, pixels, xy, covariances, keep, label, places, centroid, lens)
+    return Correspondences(
+        points - centroid, pixels, xy, covariances, keep, label, places, centroid, lens, size[0] * size[1]
+    )
 
 
 def _rows(values: ArrayLike, name: str, width: int) -> Float[np.ndarray, "n width"]:
