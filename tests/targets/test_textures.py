@@ -8,8 +8,9 @@ import pytest
 from proxnav.errors import InputError
 from proxnav.targets.patterns.pattern import normals_of_height, periodic_noise
 from proxnav.targets.patterns.surfaces import _PATTERNS, nominal_pattern
+from proxnav.targets.randomisation import Look, random_looks
 from proxnav.targets.space_rider import space_rider
-from proxnav.targets.textures import PartTexture, part_textures
+from proxnav.targets.textures import part_textures
 
 STRENGTHS = (0.0, 0.3, 0.6, 1.0)
 
@@ -52,7 +53,7 @@ def test_nominal_mean_is_near_the_material():
 def test_mild_jitter_moves_tones_by_at_most_its_share():
     target = space_rider()
     nominal = np.array([t.albedo.mean() for t in part_textures(target, 0.0, 0)])
-    ratio = np.array([[t.albedo.mean() for t in part_textures(target, 0.3, seed)] for seed in range(40)]) / nominal
+    ratio = np.array([[t.albedo.mean() for t in part_textures(target, 0.3, seed)] for seed in range(12)]) / nominal
     assert ratio.min() > 0.6
     assert ratio.max() < 1.45
     assert ratio.std() > 0.1
@@ -60,18 +61,26 @@ def test_mild_jitter_moves_tones_by_at_most_its_share():
 
 def test_full_randomisation_keeps_sides_apart_in_nine_of_ten_seeds():
     target = space_rider()
-    index = {part: target.part_names.index(part) for part in ("belly", "leeside", "wing_cells", "wing_backs")}
+    belly, leeside, cells, backs = (
+        target.part_names.index(p) for p in ("belly", "leeside", "wing_cells", "wing_backs")
+    )
 
-    def apart(textures: tuple[PartTexture, ...]) -> bool:
-        tone = {part: textures[i].albedo.mean() for part, i in index.items()}
-        return bool(tone["belly"] < tone["leeside"] and tone["wing_cells"] < tone["wing_backs"])
+    def apart(looks: list[Look]) -> bool:
+        return looks[belly].tone < looks[leeside].tone and looks[cells].tone < looks[backs].tone
 
-    share = np.mean([apart(part_textures(target, 1.0, seed)) for seed in range(150)])
-    assert 0.86 < share < 0.99  # 0.9 + 0.1/4 expected
+    share = np.mean([apart(random_looks(target.materials, 1.0, np.random.default_rng(s))) for s in range(400)])
+    assert 0.88 < share < 0.97  # 0.9 + 0.1 / 4 expected
+
+
+def test_a_random_texture_has_the_tone_of_its_look():
+    target = space_rider()
+    looks = random_looks(target.materials, 1.0, np.random.default_rng(5))
+    means = [texture.albedo.mean() for texture in part_textures(target, 1.0, 5)]
+    np.testing.assert_allclose(means, [look.tone for look in looks], atol=0.02)
 
 
 def test_full_randomisation_varies_tone_and_colour_of_every_part():
-    means = np.array([[t.albedo.mean(axis=(0, 1)) for t in part_textures(space_rider(), 1.0, s)] for s in range(30)])
+    means = np.array([[t.albedo.mean(axis=(0, 1)) for t in part_textures(space_rider(), 1.0, s)] for s in range(15)])
     assert means.mean(axis=2).std(axis=0).min() > 0.04
     assert np.ptp(means / means.mean(axis=2, keepdims=True), axis=0).min() > 0.2
 
@@ -108,10 +117,10 @@ def test_a_whole_target_is_repainted_fast_enough_for_each_training_image():
     part_textures(target, 0.3, 0)
     took = []
     for seed in range(7):
-        start = time.perf_counter()
+        start = time.thread_time()
         part_textures(target, 0.3, seed)
-        took.append(time.perf_counter() - start)
-    assert min(took) < 0.06  # s; 0.015 on a free core
+        took.append(time.thread_time() - start)
+    assert min(took) < 0.06  # s of processor time; 0.015 on a free core
 
 
 def test_strength_outside_its_range_is_refused():

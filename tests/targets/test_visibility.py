@@ -1,7 +1,7 @@
 """Which keypoints a camera sees, against geometry that can be solved by hand and against brute force."""
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -34,11 +34,12 @@ def test_keypoints_behind_the_camera_are_not_seen():
     assert not seen.any()
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10_000), st.floats(12.0, 500.0))
 def test_visibility_is_the_same_at_any_range_along_a_ray_of_sight(seed: int, range_m: float):
     """Convex body: a face that looks at a far camera looks at a farther one on the same line."""
     target = cube()
-    q = Rotation.random(random_state=seed).as_quat(scalar_first=True)
+    q = Rotation.from_rotvec(np.random.default_rng(seed).normal(size=3)).as_quat(scalar_first=True)
     pose = Pose.from_wxyz("cam", "target", q, [0.0, 0.0, range_m])
     eye = pose.inverse().t_m
     outward = np.array([[0, 0, -1.0], [0, 0, 1.0], [0, 0, 0], [1.0, 0, 0]])

@@ -32,18 +32,25 @@ def read_parts(path: Path) -> list[FilePart]:
 
     try:
         scene = trimesh.load_scene(path, file_type=kind, process=False)
-        nodes = [scene.graph[node] for node in scene.graph.nodes_geometry]  # node names are partly random
-        meshes = [(str(name), scene.geometry[name], np.asarray(T)) for T, name in nodes]
+        meshes = _in_file_order(scene)
     except InputError:
         raise
     except Exception as error:  # trimesh raises whatever its parsers stumble over
         raise InputError(f"{path}: cannot be read as {kind.upper()} ({_first_line(error)}); export it again") from None
-    parts = [part for node, mesh, T in meshes if isinstance(mesh, trimesh.Trimesh) for part in _node(node, mesh, T)]
+    parts = [part for node, T, mesh in meshes if isinstance(mesh, trimesh.Trimesh) for part in _node(node, mesh, T)]
     parts = [part for part in parts if len(part.faces)]
     if not parts:
         raise InputError(f"{path}: holds no triangles; proxnav needs a surface mesh, not points, curves or solids")
     _check_geometry(path, parts)
     return _uniquely_named(parts)
+
+
+def _in_file_order(scene: Any) -> list[tuple[str, np.ndarray, Any]]:
+    """(geometry name, transform, mesh) of each node; the scene graph's own order and node names are partly random."""
+    rank = {name: i for i, name in enumerate(scene.geometry)}
+    nodes = [(str(name), np.asarray(T)) for T, name in (scene.graph[node] for node in scene.graph.nodes_geometry)]
+    nodes.sort(key=lambda node: (rank[node[0]], node[1].ravel().tolist()))
+    return [(name, T, scene.geometry[name]) for name, T in nodes]
 
 
 def _node(node: str, mesh: Any, T: Float[np.ndarray, "4 4"]) -> list[FilePart]:

@@ -51,18 +51,13 @@ def _check_gltf(path: Path, size: int) -> None:
     files = [u for u in _uris(tree) if not u.startswith("data:")]
     for uri in files:
         _check_inside(path, uri)
-    total = path.stat().st_size + sum(
-        (path.parent / uri).stat().st_size for uri in files if (path.parent / uri).is_file()
-    )
-    _check_gltf_tree(path, tree, total)
+    beside = [path.parent / uri for uri in files if (path.parent / uri).is_file()]
+    _check_gltf_tree(path, tree, size + sum(file.stat().st_size for file in beside))
 
 
 def _check_gltf_tree(path: Path, tree: dict[str, Any], available: int) -> None:
     """Extensions and counts; `available` bounds the bytes that accessors can really refer to."""
-    required = tree.get("extensionsRequired", [])
-    missing = (
-        [name for name in required if name not in _READABLE] if isinstance(required, list) else ["(malformed list)"]
-    )
+    missing = [str(name) for name in tree.get("extensionsRequired", []) if str(name) not in _READABLE]
     if missing:
         how = _NEEDS_CONVERSION.get(missing[0], "an exporter without this extension")
         raise InputError(f"{path}: needs the glTF extension {missing[0]}, which is not read here; convert with: {how}")
@@ -98,9 +93,8 @@ def _parsed(path: Path, text: bytes) -> dict[str, Any]:
         tree = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(f"{path}: its glTF description is not JSON") from None
-    if not isinstance(tree, dict) or any(
-        not isinstance(tree.get(k, []), list) for k in ("accessors", "buffers", "images")
-    ):
+    lists = ("accessors", "buffers", "images", "extensionsRequired")
+    if not isinstance(tree, dict) or not all(isinstance(tree.get(key, []), list) for key in lists):
         raise InputError(f"{path}: its glTF description has a wrong layout")
     return tree
 

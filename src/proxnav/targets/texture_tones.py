@@ -86,8 +86,7 @@ def _clustered(
         return _uniform(len(colours), mean, metallic, roughness)
     order = np.argsort(colours.sum(axis=1))
     start = colours[order[np.linspace(0, len(order) - 1, MAX_TONES).astype(int)]]
-    if len(np.unique(start.round(6), axis=0)) < MAX_TONES:
-        return _uniform(len(colours), mean, metallic, roughness)
+    start = np.unique(start.round(6), axis=0)
     label = np.argmin(np.linalg.norm(colours[:, None] - _centres(colours, start), axis=2), axis=1)
     used, face_tone = np.unique(label, return_inverse=True)
     albedo = np.array([np.average(colours[label == i], axis=0, weights=weight[label == i]) for i in used])
