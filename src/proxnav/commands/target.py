@@ -1,0 +1,138 @@
+"""`proxnav target`: look at a target, or make one from a mesh file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tyro
+
+from proxnav.errors import InputError
+from proxnav.targets.target import Target
+
+
+@dataclass(frozen=True)
+class Show:
+    """Draws a target from eight sides with its keypoints, and prints its size, parts and keypoints."""
+
+    target: tyro.conf.Positional[str]
+    """space-rider, a target.json or its folder, or a mesh file in metres."""
+    out: Path | None = None
+    """Picture to write, PNG; none when not given."""
+    size: int = 480
+    """Side of each view [px]."""
+
+
+@dataclass(frozen=True)
+class New:
+    """Makes a target from a GLB, OBJ, STL or PLY file: scale, axes, keypoints, preview."""
+
+    file: tyro.conf.Positional[Path]
+    """The mesh."""
+    out: Path
+    """Folder for target.json, mesh.npz and preview.png."""
+    unit: str | None = None
+    """The file's unit: m, dm, cm, mm, in, ft, or metres per unit as a number."""
+    length_m: float | None = None
+    """True length of the spacecraft's largest extent [m], in place of the unit."""
+    up: str | None = None
+    """File axis that points up, such as y or -z; glTF and OBJ: y, STL and PLY: z."""
+    forward: str | None = None
+    """File axis that points forward; glTF and OBJ: z, STL and PLY: x."""
+    without: tuple[str, ...] = ()
+    """Parts to leave out."""
+    keypoints: Path | None = None
+    """Keypoints in the target frame [m] from .mat, .json or .csv; found automatically when not given."""
+    name: str | None = None
+    """Name of the target; the file's when not given."""
+    licence: str = "unknown"
+    """Licence of the mesh."""
+
+
+def main(argv: list[str]) -> None:
+    """Entry of `proxnav target`."""
+    Command = Annotated[Show, tyro.conf.subcommand("show")] | Annotated[New, tyro.conf.subcommand("new")]
+    config = tyro.cli(Command, args=argv, prog="proxnav target")
+    show(config) if isinstance(config, Show) else new(config)
+
+
+def show(config: Show) -> None:
+    """Prints and draws an existing target."""
+    from proxnav.targets.loading import load_target
+
+    target = load_target(config.target)
+    print(description(target))
+    if config.out is not None:
+        draw(target, config.out, config.size)
+
+
+def new(config: New) -> None:
+    """Makes a target, writes it, and says what deserves a second look."""
+    from proxnav.targets.from_mesh import from_mesh, isolated_parts
+    from proxnav.targets.keypoints import near_symmetries
+    from proxnav.targets.loading import save_target
+    from proxnav.targets.points import load_points
+
+    target = from_mesh(
+        config.file,
+        unit_m=unit_in_metres(config.unit),
+        up=config.up,
+        forward=config.forward,
+        name=config.name,
+        length_m=config.length_m,
+        without=config.without,
+        keypoints=None if config.keypoints is None else load_points(config.keypoints),
+        licence=config.licence,
+    )
+    path = save_target(target, config.out)
+    print(description(target))
+    draw(target, config.out / "preview.png", 480)
+    for part in isolated_parts(target):
+        print(f"look: part '{part}' lies far from the rest; leave it out with --without {part}")
+    for turn in near_symmetries(target, np.random.default_rng(0)):
+        print(f"look: nearly unchanged by a turn of {turn.angle_deg:.0f} deg about its {turn.axis} ({turn.gap:.1%} of")
+        print("      the radius): a network may confuse the two poses unless materials tell them apart")
+    print(f"target in {path}; use it with --target {config.out}")
+
+
+def unit_in_metres(unit: str | None) -> float | None:
+    """Metres per file unit, from a unit's name or a number."""
+    from proxnav.targets.from_mesh import UNITS_M
+
+    if unit is None or unit in UNITS_M:
+        return None if unit is None else UNITS_M[unit]
+    try:
+        return float(unit)
+    except ValueError:
+        raise InputError(f"--unit {unit}: expected {', '.join(UNITS_M)} or metres per unit as a number") from None
+
+
+def description(target: Target) -> str:
+    """Size, source and keypoints as text."""
+    size = " x ".join(f"{v:.3f}" for v in np.ptp(target.vertices_m, axis=0))
+    lines = [
+        f"{target.name}: {size} m (forward, right, down)",
+        f"source: {target.source}; licence: {target.licence}",
+        f"{len(target.vertices_m)} vertices, {len(target.faces)} triangles, {len(target.part_names)} parts",
+    ]
+    six = target.subsets.get("six", ())
+    for k, (name, point) in enumerate(zip(target.keypoint_names, target.keypoints_m, strict=True)):
+        mark = "  six" if k in six else ""
+        lines.append(f"  {name:<24} {point[0]:8.3f} {point[1]:8.3f} {point[2]:8.3f} m{mark}")
+    return "\n".join(lines)
+
+
+def draw(target: Target, path: Path, size: int) -> None:
+    """Writes the contact sheet."""
+    import cv2
+
+    from proxnav.targets.preview import contact_sheet
+
+    if path.suffix.lower() not in (".png", ".jpg"):
+        raise InputError(f"--out {path}: the preview is a picture; name it .png or .jpg")
+    if not 100 <= size <= 4000:
+        raise InputError(f"--size {size}: expected 100 to 4000 px")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not cv2.imwrite(str(path), contact_sheet(target, size)):
+        raise InputError(f"{path}: cannot be written")
+    print(f"preview in {path}")
