@@ -15,7 +15,7 @@ from proxnav.errors import InputError
 from proxnav.geometry.epochs import Instant, parse_iso
 from proxnav.trajectories.readers.frames import Frame, frame_kind
 from proxnav.trajectories.readers.history import AttitudeHistory, Method, OrbitHistory, Segment
-from proxnav.trajectories.readers.text import check_times, check_unit_quaternion, fail, number, read_lines
+from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number, read_lines
 
 QuaternionOrder = Literal["wxyz", "xyzw"]
 
@@ -93,7 +93,7 @@ def _rotations(
     for line, _, numbers in block.rows:
         if len(numbers) != _QUATERNION_SIZES[kind]:
             fail(path, line, f"{kind.upper()} needs {_QUATERNION_SIZES[kind]} numbers after the epoch")
-        check_unit_quaternion(numbers[:4], path, line)
+    check_unit_quaternions(values[:, :4], [line for line, _, _ in block.rows], path)
     return Rotation.from_quat(values[:, :4], scalar_first=_scalar_first(path, block, version, order))
 
 

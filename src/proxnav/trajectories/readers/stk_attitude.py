@@ -17,7 +17,7 @@ from proxnav.geometry.types import QuatWxyz
 from proxnav.trajectories.readers.dates import parse_date
 from proxnav.trajectories.readers.history import AttitudeHistory, Segment, rate_note, split
 from proxnav.trajectories.readers.stk_file import Row, StkFile, data_rows, read_stk, reference_frame, scenario_epoch
-from proxnav.trajectories.readers.text import check_times, check_unit_quaternion, fail, number, numbers
+from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number, numbers
 
 _COLUMNS = {
     "attitudetimequaternions": 4,
@@ -58,8 +58,7 @@ def _attitudes(file: StkFile, block: str, rows: list[Row], values: np.ndarray, s
     """q_frame_body, wxyz."""
     if "quat" in block:
         first = block == "attitudetimequatscalarfirst" if scalar_first is None else scalar_first
-        for row, q in zip(rows, values[:, :4].tolist(), strict=True):
-            check_unit_quaternion(q, file.path, row.line)
+        check_unit_quaternions(values[:, :4], [row.line for row in rows], file.path)
         return Rotation.from_quat(values[:, :4], scalar_first=first).as_quat(scalar_first=True)
     if block == "attitudetimedcm":
         return _from_dcm(file.path, rows, values.reshape(-1, 3, 3))

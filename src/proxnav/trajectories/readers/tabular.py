@@ -13,7 +13,7 @@ from proxnav.trajectories.readers.dates import from_julian_date, parse_date, par
 from proxnav.trajectories.readers.frames import Frame, frame_kind
 from proxnav.trajectories.readers.history import AttitudeHistory, History, OrbitHistory, Segment, rate_note, split
 from proxnav.trajectories.readers.table import Table
-from proxnav.trajectories.readers.text import check_times, check_unit_quaternion, fail, number
+from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number
 from proxnav.trajectories.readers.units import LENGTH, TIME, speed
 
 _POSITION, _VELOCITY = ("x", "y", "z"), ("vx", "vy", "vz")
@@ -62,8 +62,7 @@ def _attitude(
     table: Table, config: ReaderConfig, name: str, epoch: Instant, t: np.ndarray, mine: dict[str, Column]
 ) -> AttitudeHistory:
     q = np.stack([_cells(table, mine[key]) for key in _quaternion_columns(table, config, mine)], axis=-1)
-    for (line, _), row in zip(table.rows, q.tolist(), strict=True):
-        check_unit_quaternion(row, table.path, line)
+    check_unit_quaternions(q, [line for line, _ in table.rows], table.path)
     q = quaternion.normalize(q)
     if config.quaternion_direction == "body_to_reference":
         q = quaternion.conjugate(q)
@@ -108,8 +107,15 @@ def _scaled(table: Table, column: Column, config: ReaderConfig, t: np.ndarray) -
 
 
 def _cells(table: Table, column: Column) -> np.ndarray:
-    what = f"a number under {column.header}"
-    return np.array([number(cells[column.index], table.path, line, what) for line, cells in table.rows])
+    texts = [cells[column.index] for _, cells in table.rows]
+    try:
+        values = np.array(texts, dtype=np.float64)
+    except ValueError:
+        values = np.array([np.nan])
+    if np.isfinite(values).all():
+        return values
+    what = f"a number under {column.header}"  # the slow way finds the line at fault, and accepts Fortran's exponents
+    return np.array([number(text, table.path, line, what) for text, (line, _) in zip(texts, table.rows, strict=True)])
 
 
 def _frame(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> Frame:

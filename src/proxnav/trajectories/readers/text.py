@@ -2,10 +2,14 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import NoReturn
 
+import numpy as np
+
 from proxnav.errors import InputError
+from proxnav.geometry.types import QuatWxyz
 
 
 def read_lines(path: str | Path) -> list[str]:
@@ -52,13 +56,16 @@ def numbers(tokens: Sequence[str], count: int, path: str | Path, line: int, what
 
 def check_times(t: Sequence[float], lines: Sequence[int], path: str | Path) -> None:
     """Refuses time going backwards; equal neighbours are left to the caller."""
-    for k in range(1, len(t)):
-        if t[k] < t[k - 1]:
-            fail(path, lines[k], f"time goes backwards from {t[k - 1]:g} s to {t[k]:g} s; sort the rows by time")
+    for (before, now), line in zip(pairwise(t), lines[1:], strict=True):
+        if now < before:
+            fail(path, line, f"time goes backwards from {before:g} s to {now:g} s; sort the rows by time")
 
 
-def check_unit_quaternion(q: Sequence[float], path: str | Path, line: int) -> None:
-    """Refuses quaternions whose norm departs from one by more than rounding."""
-    norm = math.sqrt(sum(value * value for value in q))
-    if abs(norm - 1.0) > 2e-3:
-        fail(path, line, f"the quaternion {list(q)} has norm {norm:.6g}, expected 1; check the columns and their order")
+def check_unit_quaternions(q: QuatWxyz, lines: Sequence[int], path: str | Path) -> None:
+    """Refuses quaternions (n, 4) whose norm departs from one by more than rounding; any order of components."""
+    norm = np.linalg.norm(q, axis=1)
+    wrong = np.flatnonzero(np.abs(norm - 1.0) > 2e-3)
+    if wrong.size:
+        k = int(wrong[0])
+        found = f"the quaternion {q[k].tolist()} has norm {norm[k]:.6g}"
+        fail(path, lines[k], f"{found}, expected 1; check the columns and their order")
