@@ -49,7 +49,7 @@ def panels() -> list[Panel]:
         Panel("ideal sensor", CLEAN),
         Panel("cos^4 (40 deg lens)", replace(CLEAN, cos4=True)),
         Panel("PSF sigma 2 px", replace(CLEAN, psf_sigma_px=2.0)),
-        Panel("focus at 5 m, f/0.4", replace(CLEAN, focus_m=5.0, f_number=0.4)),
+        Panel("focus at 0.2 m, f/1", replace(CLEAN, focus_m=0.2, f_number=1.0)),
         Panel("target moves 12 px", CLEAN, replace(still, v_cam_target_mps=(3.4, 1.7, 0.0), seed=1)),
         Panel("camera turns 12 px", CLEAN, replace(still, omega_cam_radps=(0.0, 0.3, 0.0), seed=1)),
         Panel("veiling glare 15 %", replace(CLEAN, veiling_glare=0.15)),
@@ -59,7 +59,7 @@ def panels() -> list[Panel]:
         Panel("PRNU 10 %", replace(CLEAN, prnu=0.10)),
         Panel("row and column 5 DN", replace(CLEAN, row_noise_dn=5.0, column_noise_dn=5.0, black_level_dn=10.0)),
         Panel("hot pixels 1e-3, 60 C", replace(CLEAN, hot_pixel_share=1e-3, dark_current_e_per_s=1e4)),
-        Panel("particles, well 4000 e-", replace(CLEAN, full_well_e=4e3, particle_rate_cm2_s=3e4, readout_s=0.05)),
+        Panel("particles, well 2000 e-", replace(CLEAN, full_well_e=2e3, particle_rate_cm2_s=3e4, readout_s=0.05)),
         Panel("blooming, 3 stops over", replace(CLEAN, blooming=0.9), stops=3.0),
         Panel("Bayer mosaic, x 6", replace(SENSORS["speed-class-colour"], black_level_dn=0.0), zoom=6),
     ]

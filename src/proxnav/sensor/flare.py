@@ -276,8 +276,10 @@ def _ghost(out, x, y, radius, blades, turn, level, rim, cut_x, cut_y):
         for j in range(out.shape[1]):
             u, v = j + 0.5 - x, i + 0.5 - y
             r = np.sqrt(u * u + v * v)
+            if r > radius + soft:
+                continue
             limit = radius
-            if blades > 2:
+            if blades > 2 and r > 0.5 * radius:  # well inside, the shape of the edge does not matter
                 sector = 2.0 * np.pi / blades
                 turned = (np.arctan2(v, u) - turn) % sector - 0.5 * sector
                 flat = np.cos(0.5 * sector) / np.cos(turned)
