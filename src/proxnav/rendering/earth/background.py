@@ -1,14 +1,14 @@
 """From a SceneSpec to the radiance behind the target: along rays, through a camera, and all around the target."""
 
 import math
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from proxnav.datasets.records import SceneSpec, Window
 from proxnav.geometry import Camera, quaternion
-from proxnav.rendering.earth import atmosphere, sun
+from proxnav.rendering.earth import atmosphere, moon, sun
 from proxnav.rendering.earth.aerial import Aerial, empty
 from proxnav.rendering.earth.clouds import clouds
 from proxnav.rendering.earth.ellipsoid import stretched
@@ -17,7 +17,7 @@ from proxnav.rendering.earth.imagery import ground_pyramid
 from proxnav.rendering.earth.state import SIZE, Eye, World
 
 
-@cache
+@lru_cache(maxsize=64)
 def _world(cover: float, seed: int) -> World:
     air = atmosphere.air()
     return World(air.transmittance, air.multiple, air.sky_irradiance, ground_pyramid(), clouds(cover, seed))
@@ -33,11 +33,14 @@ def _eye(scene: SceneSpec, r_target_eye_m: np.ndarray, show_sun: bool) -> tuple[
     to_sun /= np.linalg.norm(to_sun)
     to_sun_stretched = stretched(to_sun) / np.linalg.norm(stretched(to_sun))
     radius = float(np.linalg.norm(origin))
+    to_moon, moon_half_angle = moon.seen_from(scene, r_target_eye_m - np.array(earth.r_target_earth_m))
     eye = Eye(
         origin,
         to_sun,
         to_sun_stretched,
         np.array(scene.sun.irradiance, dtype=np.float64),
+        R_ecef_target @ to_moon,
+        moon_half_angle,
         show_sun,
         earth.atmosphere,
         earth.city_lights,
@@ -73,9 +76,9 @@ def _camera_position(scene: SceneSpec) -> np.ndarray:
 def background_radiance(
     scene: SceneSpec, directions_target: Float[np.ndarray, "n 3"], pixel_rad: float = 7e-4
 ) -> Float[np.ndarray, "n 3"]:
-    """Radiance [W/(m^2 sr)] that reaches the camera along unit directions in target axes when no target is in the way.
+    """Radiance [W/(m^2 sr)] that reaches the camera along unit directions in target axes past the target.
 
-    `pixel_rad` is the angle that one ray stands for: finer detail fades out. Stars are points and not in it: see `stars`.
+    `pixel_rad` is the angle that one ray stands for: finer detail fades out. Stars are points: see `stars`.
     """
     directions = np.ascontiguousarray(directions_target, dtype=np.float64)
     return _radiance(scene, _camera_position(scene), directions, pixel_rad, show_sun=True)

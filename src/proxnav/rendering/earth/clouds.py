@@ -1,7 +1,7 @@
 """How much cloud stands over a point: weather at large, fractal detail down to 300 m, and thin high cloud."""
 
 import math
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ PERIODS_M = (1100e3, 140e3, 17e3)
 WEIGHTS = (0.105, 0.075, 0.042)
 NONE = 10.0
 """Threshold of a sky without cloud."""
-EDGE = 0.10
+EDGE = 0.12
 """Field above the threshold at which a cloud is opaque."""
 
 
@@ -74,10 +74,12 @@ def large(clouds, x, y, z, lon, lat, footprint_m):
     weight = fade(footprint_m, PERIODS_M[0])
     if weight <= 0.0:
         return moisture, heap, 0.0
+    # Alone, its bumps look like blobs: it gives way with the finer layers.
+    weight *= 0.35 + 0.65 * fade(footprint_m, PERIODS_M[1])
     s = A_M / PERIODS_M[0]
     o = clouds.offsets
     a, b = noise.sample(clouds.noise, x * s + o[0, 0], y * s + o[0, 1], z * s + o[0, 2])
-    return moisture + WEIGHTS[0] * weight * ((1.0 - 0.5 * heap) * a + 0.5 * heap * b), heap, a
+    return moisture + WEIGHTS[0] * weight * ((1.0 - 0.2 * heap) * a + 0.25 * heap * b), heap, a
 
 
 @kernel()
@@ -131,21 +133,29 @@ def _field_at(clouds, points, out):
         out[i] = field(clouds, x, y, z, math.atan2(y, x), math.asin(z), 300.0)
 
 
-@cache
+@lru_cache(maxsize=64)
 def clouds(cover: float, seed: int) -> Clouds:
     """The field whose mean cover is `cover`; every seed is other weather."""
     rng = np.random.default_rng([seed, 20])
     shift, mirror, offsets = rng.uniform(0, COLUMNS), bool(rng.integers(2)), rng.random((3, 3))
-    bare = Clouds(weather(), noise.table(), float(shift), mirror, offsets, NONE, 1.0 - cover, 1.0 - 0.6 * cover)
-    return bare if cover <= 0.0 else bare._replace(threshold=_threshold(bare, cover))
+    cover = min(1.0, cover)
+    threshold = NONE if cover <= 0.0 else float(np.interp(cover, *_thresholds()))
+    return Clouds(weather(), noise.table(), float(shift), mirror, offsets, threshold, 1.0 - cover, 1.0 - 0.6 * cover)
 
 
-def _threshold(bare: Clouds, cover: float) -> float:
-    """Quantile of the field over points spread evenly on the sphere."""
-    i = np.arange(20_000) + 0.5
+@cache
+def _thresholds() -> tuple[np.ndarray, np.ndarray]:
+    """Covers and the thresholds that give them: quantiles of the field over points spread evenly on the sphere."""
+    i = np.arange(8_000) + 0.5
     z = 1.0 - 2.0 * i / len(i)
     turn = np.pi * (1.0 + np.sqrt(5.0)) * i
     ring = np.sqrt(1.0 - z * z)
-    out = np.empty(len(i))
-    _field_at(bare, np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=-1), out)
-    return float(np.quantile(out, max(0.0, 1.0 - cover))) - 0.25 * EDGE
+    points = np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=-1)
+    covers, values, out = np.linspace(0.0, 1.0, 21), np.empty(21), np.empty(len(i))
+    offsets = np.zeros((3, 3))
+    for k, cover in enumerate(covers):
+        probe = Clouds(weather(), noise.table(), 0.0, False, offsets, NONE, 1.0 - cover, NONE)
+        _field_at(probe, points, out)
+        values[k] = np.quantile(out, 1.0 - cover)
+    # The lightest quarter of a cloud's edge lets through most light and does not look like cloud.
+    return covers, values - 0.25 * EDGE

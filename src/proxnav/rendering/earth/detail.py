@@ -26,11 +26,26 @@ def _level(footprint_m, texel_m):
 
 
 @kernel()
+def _open_sea(level, lon, lat):
+    """Whether there is nothing but water for tens of kilometres around."""
+    rows, columns = level.shape[0], level.shape[1]
+    i = int(min(max((0.5 - lat / math.pi) * rows - 0.5, 0.0), rows - 2.0))
+    j = int(min(max((lon / (2.0 * math.pi) + 0.5) * columns - 0.5, 0.0), columns - 2.0))
+    return (
+        level[i, j, WATER] == 255
+        and level[i, j + 1, WATER] == 255
+        and level[i + 1, j, WATER] == 255
+        and level[i + 1, j + 1, WATER] == 255
+    )
+
+
+@kernel()
 def _ground(eye, world, st, m, out):
     footprint = st[s.FOOTPRINT]
     texel = 2.0 * math.pi * A_M / world.ground[0].shape[1]
     rough, cells, fine, patches, facing = 0.0, 0.0, 0.0, 0.0, 0.0
-    if footprint < 4e3:
+    inland = not _open_sea(world.ground[3], st[s.LON], st[s.LAT])
+    if inland and footprint < 4e3:
         x, y, z = st[s.X], st[s.X + 1], st[s.X + 2]
         rough, cells = noise.sample(world.clouds.noise, x * 90.0, y * 90.0, z * 90.0)
         weight = 1.0 - footprint / 4e3
@@ -44,7 +59,7 @@ def _ground(eye, world, st, m, out):
                 world.clouds.noise, x * 640.0 + d * st[t], y * 640.0 + d * st[t + 1], z * 640.0 + d * st[t + 2]
             )
             facing = (fine - there * weight) / max(1.0, footprint / 200.0)
-    bend = 0.5 * texel / A_M
+    bend = 0.30 * texel / A_M
     lon = st[s.LON] + bend * (0.9 * rough + 0.35 * fine)
     lat = st[s.LAT] + bend * (0.7 * cells + 0.35 * patches)
     read_ground(world.ground[_level(footprint, texel)], lon, lat, m)
@@ -57,12 +72,13 @@ def _ground(eye, world, st, m, out):
     sun += math.sqrt(max(0.0, 1.0 - st[s.MU] ** 2)) * min(0.6, 0.05 + 0.8 * rugged) * facing
     lit = min(1.0, max(0.0, sun)) * clear
     grain = max(0.4, 1.0 + 0.05 * rough + 0.05 * cells + 0.06 * fine + 0.09 * patches)
-    sparkle = math.exp(1.3 * patches + 0.7 * fine)
+    night = m[CITY] > 0.0 and st[s.NIGHT + 1] > 0.0
+    sparkle = math.exp(1.6 * patches + 0.9 * fine - 0.8) * m[CITY] if night else 0.0
     for k in range(3):
         hue = 1.0 + (0.02 * (k - 1)) * (rough - 1.5 * patches)
         albedo = m[k] * grain * hue * (1.0 - water) + WATER_REFLECTANCE[k] * water
         sea = water * (st[s.MIRROR + k] * clear + st[s.MIRROR_SKY] * st[s.DIFFUSE + k])
-        lamps = m[CITY] * sparkle * CITY_RADIANCE[k] * st[s.NIGHT + k]
+        lamps = sparkle * CITY_RADIANCE[k] * st[s.NIGHT + k]
         out[k] = albedo * (st[s.DIRECT + k] * lit + st[s.DIFFUSE + k]) + sea + lamps + st[s.AIR + k]
 
 
@@ -110,7 +126,7 @@ def radiance(eye, world, ends, st, m, out):
     if ends == s.ON_GROUND and share < 0.998:
         _ground(eye, world, st, m, out)
     if share > 0.0:
-        lit = min(1.3, max(0.30, 1.0 - 0.55 * CLOUD_HEIGHT_M * slope * st[s.C_TILT]))
+        lit = min(1.3, max(0.30, 1.0 - 0.45 * CLOUD_HEIGHT_M * slope * st[s.C_TILT]))
         thick = max(0.0, value - world.clouds.threshold)
         _over(st, share, 0.82 - 0.47 * math.exp(-thick / 0.15), lit, out)
     if clouded and st[s.CIRRUS] > 0.0:

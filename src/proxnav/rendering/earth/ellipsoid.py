@@ -43,7 +43,7 @@ def stretched(vectors_ecef: np.ndarray) -> np.ndarray:
 
 
 def intersect(origin_ecef_m: np.ndarray, directions_ecef: np.ndarray) -> np.ndarray:
-    """Distance [m] (n,) from a point outside or inside to the ellipsoid along unit directions (n, 3); -1 where missed."""
+    """Distance [m] (n,) from a point to the ellipsoid along unit directions (n, 3); -1 where missed."""
     o = stretched(np.asarray(origin_ecef_m, dtype=np.float64))
     d = stretched(np.asarray(directions_ecef, dtype=np.float64))
     r0 = float(np.linalg.norm(o))

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from proxnav.geometry import Camera
+from proxnav.rendering.earth import moon, sun
 from proxnav.rendering.earth import state as s
-from proxnav.rendering.earth import sun
 from proxnav.rendering.earth.detail import radiance
 from proxnav.rendering.earth.ellipsoid import A_M
 from proxnav.rendering.earth.kernel import kernel
@@ -63,7 +63,11 @@ def shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, out):
         nu = dx * eye.sun[0] + dy * eye.sun[1] + dz * eye.sun[2]
         for k in range(3):
             through = 1.0 if ends == s.BEYOND or not eye.atmosphere else st[s.DIRECT + k]
-            out[k] = sun.disc(nu, k) * through * eye.irradiance[k]
+            light = sun.disc(nu, k)
+            if eye.moon_half_angle > 0.0:
+                to_moon, to_sun = (eye.moon[0], eye.moon[1], eye.moon[2]), (eye.sun[0], eye.sun[1], eye.sun[2])
+                light += moon.disc((dx, dy, dz), to_moon, to_sun, eye.moon_half_angle, k)
+            out[k] = light * through * eye.irradiance[k]
     if ends == s.IN_AIR or ends == s.ON_CLOUD:
         for k in range(3):
             out[k] += st[s.AIR + k]
@@ -128,9 +132,6 @@ def draw(eye, world, aerial, room, states, ends, rays, R, x0, y0, pixel_rad, out
     i0, j0 = y0 // BLOCK, x0 // BLOCK
     n_i, n_j = states.shape[0] - 1, states.shape[1] - 1
     work, st, m, value, left, right = room.air, room.state, room.map, room.value, room.left, room.right
-    sun0 = R[0, 0] * eye.sun[0] + R[1, 0] * eye.sun[1] + R[2, 0] * eye.sun[2]
-    sun1 = R[0, 1] * eye.sun[0] + R[1, 1] * eye.sun[1] + R[2, 1] * eye.sun[2]
-    sun2 = R[0, 2] * eye.sun[0] + R[1, 2] * eye.sun[1] + R[2, 2] * eye.sun[2]
     _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends)
     for i in range(n_i):
         for j in range(n_j):
@@ -139,7 +140,7 @@ def draw(eye, world, aerial, room, states, ends, rays, R, x0, y0, pixel_rad, out
                 for b in range(2):
                     low, high = min(low, ends[i + a, j + b]), max(high, ends[i + a, j + b])
             gentle = low == s.ON_GROUND and _is_gentle(states, i, j)
-            if high == s.BEYOND and low == s.BEYOND and not _near(rays, i0 + i, j0 + j, sun0, sun1, sun2, pixel_rad):
+            if high == s.BEYOND and low == s.BEYOND and not _holds_disc(eye, rays, i0 + i, j0 + j, R, pixel_rad):
                 continue
             py0, py1 = max((i0 + i) * BLOCK, y0), min((i0 + i + 1) * BLOCK, y0 + h)
             px0, px1 = max((j0 + j) * BLOCK, x0), min((j0 + j + 1) * BLOCK, x0 + w)
@@ -178,8 +179,11 @@ def _ray(rays, i, j, fy, fx, R):
 
 
 @kernel()
-def _near(rays, i, j, sun0, sun1, sun2, pixel_rad):
-    """Whether a block may hold part of the Sun's disc."""
-    x, y, z = _unit(rays[i, j, 0], rays[i, j, 1], rays[i, j, 2])
-    reach = sun.HALF_ANGLE + 1.5 * BLOCK * pixel_rad
-    return x * sun0 + y * sun1 + z * sun2 > math.cos(min(3.0, reach))
+def _holds_disc(eye, rays, i, j, R, pixel_rad):
+    """Whether a block may hold part of the Sun or the Moon."""
+    x, y, z = _ray(rays, i, j, 0.5, 0.5, R)
+    half = max(sun.HALF_ANGLE, eye.moon_half_angle)
+    cos_reach = math.cos(min(3.0, half + 1.5 * BLOCK * pixel_rad))
+    to_sun = x * eye.sun[0] + y * eye.sun[1] + z * eye.sun[2]
+    to_moon = x * eye.moon[0] + y * eye.moon[1] + z * eye.moon[2]
+    return to_sun > cos_reach or to_moon > cos_reach

@@ -20,7 +20,7 @@ RED, GREEN, BLUE, WATER, SLOPE_EAST, SLOPE_NORTH, CITY = range(7)
 LEVELS = 6
 
 _GREENLAND_ICE = 0.75  # reflectance of what is white in Blue Marble
-_GAMMA_LIFT = 0.012
+_LIFT = np.array([0.010, 0.014, 0.004], dtype=np.float32)  # reflectance of the darkest forest in Blue Marble
 
 
 @cache
@@ -28,10 +28,10 @@ def ground_pyramid() -> tuple[np.ndarray, ...]:
     """LEVELS arrays (rows, columns, 7) uint8, north first, west first; each level halves the one before."""
     named = os.environ.get("PROXNAV_EARTH_IMAGE", "")
     tag = "bluemarble" if not named else hashlib.sha256(_stamp(named).encode()).hexdigest()[:12]
-    levels = [stored(f"ground-2-{tag}-0", lambda: _base_level(named))]
+    levels = [stored(f"ground-4-{tag}-0", lambda: _base_level(named))]
     for level in range(1, LEVELS):
         finer = levels[-1]
-        levels.append(stored(f"ground-2-{tag}-{level}", lambda finer=finer: _halved(finer)))
+        levels.append(stored(f"ground-4-{tag}-{level}", lambda finer=finer: _halved(finer)))
     return tuple(levels)
 
 
@@ -99,7 +99,7 @@ def _base_level(named: str) -> np.ndarray:
     ground[..., WATER] = water
     east, north = _slopes(rows, columns, water)
     ground[..., SLOPE_EAST], ground[..., SLOPE_NORTH] = east, north
-    ground[..., CITY] = _cities(albedo, water)
+    ground[..., CITY] = _cities(albedo, water, east)
     return ground
 
 
@@ -111,7 +111,7 @@ def _albedo(image: np.ndarray, water: np.ndarray) -> np.ndarray:
     """
     v = np.arange(256) / 255.0
     linear = np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4).astype(np.float32)
-    return _GAMMA_LIFT + (_GREENLAND_ICE - _GAMMA_LIFT) * linear[image]
+    return _LIFT + (_GREENLAND_ICE - _LIFT) * linear[image]
 
 
 def _slopes(rows: int, columns: int, water: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -132,12 +132,12 @@ def _slopes(rows: int, columns: int, water: np.ndarray) -> tuple[np.ndarray, np.
     along = (-kx + ky) / np.sqrt(2.0)  # towards the light
     gain = -along / (along**2 + 0.03 * (kx**2 + ky**2) + 1e-12)
     spectrum = fft.rfft2(shade)
-    east, north = (fft.irfft2(spectrum * gain * k, s=shade.shape) / 70.0 for k in (kx, ky))
+    east, north = (np.asarray(fft.irfft2(spectrum * gain * k, s=shade.shape)) / 70.0 for k in (kx, ky))
     coded = [np.round(127.5 * (1.0 + np.clip(slope, -1.0, 1.0))).astype(np.uint8) for slope in (east, north)]
     return coded[0], coded[1]
 
 
-def _cities(albedo: np.ndarray, water: np.ndarray) -> np.ndarray:
+def _cities(albedo: np.ndarray, water: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """City lights coded 255 sqrt(v): towns strewn where people tend to live. A stand-in, not a map of real cities."""
     import cv2
 
@@ -147,13 +147,15 @@ def _cities(albedo: np.ndarray, water: np.ndarray) -> np.ndarray:
     settled = np.exp(-(((lat - 40.0) / 14.0) ** 2)) + 0.45 * np.exp(-(((np.abs(lat) - 22.0) / 14.0) ** 2))
     shore = cv2.GaussianBlur(water.astype(np.float32) / 255.0, (0, 0), 12.0)
     land = (water < 100) & (albedo[..., 0] < 0.16) & (albedo[..., 0] > 0.016)
+    rugged = cv2.GaussianBlur(np.abs(slope / 127.5 - 1.0).astype(np.float32), (0, 0), 6.0)
+    land = land * np.exp(-((rugged / 0.10) ** 2))
     regions = cv2.resize(rng.random((24, 48), dtype=np.float32), (columns, rows), interpolation=cv2.INTER_CUBIC)
     density = (settled * np.cos(np.radians(lat)))[:, None] * land * (0.25 + shore) * np.clip(regions, 0.0, 1.0) ** 3
     total = np.cumsum(density.ravel(), dtype=np.float64)
-    where = np.searchsorted(total, rng.random(16_000) * total[-1])
+    where = np.searchsorted(total, rng.random(30_000) * total[-1])
     lights = np.zeros((rows, columns), dtype=np.float32)
-    np.add.at(lights.ravel(), where, (0.25 * rng.pareto(1.3, 16_000)).clip(0.0, 60.0).astype(np.float32))
-    glow = cv2.GaussianBlur(lights, (0, 0), 0.6) + 0.5 * cv2.GaussianBlur(lights, (0, 0), 1.6)
+    np.add.at(lights.ravel(), where, (0.06 * rng.pareto(1.2, 30_000)).clip(0.0, 12.0).astype(np.float32))
+    glow = cv2.GaussianBlur(lights, (0, 0), 0.5) + 0.3 * cv2.GaussianBlur(lights, (0, 0), 1.2)
     return np.round(255.0 * np.sqrt(np.clip(glow, 0.0, 1.0))).astype(np.uint8)
 
 

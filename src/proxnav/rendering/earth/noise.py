@@ -7,7 +7,7 @@ import math
 from functools import cache
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from proxnav.rendering.earth.kernel import kernel
 from proxnav.rendering.earth.stored import stored
@@ -50,7 +50,7 @@ def _cells(rng: np.random.Generator) -> np.ndarray:
     total = np.zeros(len(points))
     for cells, weight in ((6, 1.0), (12, 0.55), (24, 0.3)):
         seeds = rng.random((cells**3, 3))
-        distance, _ = cKDTree(seeds, boxsize=1.0).query(points, k=1, workers=1)
+        distance, _ = KDTree(seeds, boxsize=1.0).query(points, k=1, workers=1)
         total -= weight * distance * cells
     return _standard(total.reshape(SIZE, SIZE, SIZE))
 

@@ -48,6 +48,10 @@ class Eye(NamedTuple):
     """(3) unit, stretched."""
     irradiance: np.ndarray
     """(3) of the Sun [W/m^2]."""
+    moon: np.ndarray
+    """(3) unit."""
+    moon_half_angle: float
+    """rad; 0 is no Moon."""
     show_sun: bool
     atmosphere: bool
     city_lights: bool

@@ -10,7 +10,7 @@ from proxnav.rendering.earth.kernel import kernel
 
 WIND_MPS = 5.0  # m/s at 12.5 m, mean over the sea
 WATER_REFLECTANCE = np.array([0.006, 0.016, 0.030])  # diffuse, from below the surface of clear ocean
-RELIEF = 0.30  # slope of the terrain at full scale of the relief map
+RELIEF = 0.35  # slope of the terrain at full scale of the relief map
 
 
 @kernel()
@@ -53,7 +53,7 @@ def wind_mps(table, x, y, z):
 @kernel(inline="always")
 def _crisp(f):
     """Interpolation weight that keeps a texel's colour longer: bent by noise, borders look drawn instead of blurred."""
-    f = min(1.0, max(0.0, 1.6 * f - 0.3))
+    f = min(1.0, max(0.0, 1.2 * f - 0.1))
     return f * f * (3.0 - 2.0 * f)
 
 
