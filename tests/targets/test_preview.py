@@ -52,7 +52,9 @@ def test_show_prints_the_keypoints_and_writes_the_picture(tmp_path: Path, capsys
     out = tmp_path / "sheet.png"
     assert main(["target", "show", "space-rider", "--out", str(out), "--size", "120"]) == 0
     assert "nose_tip" in capsys.readouterr().out
-    assert cv2.imread(str(out)).shape[1] == 480
+    picture = cv2.imread(str(out))
+    assert picture is not None
+    assert picture.shape[1] == 480
 
 
 def test_new_makes_a_target_that_loads_by_its_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
