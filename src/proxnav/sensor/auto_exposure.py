@@ -14,7 +14,7 @@ from proxnav.sensor.photometry import electron_rate
 class AutoExposure:
     """What the exposure control aims at, and within which limits."""
 
-    percentile: float = 98.0
+    percentile: float = 92.0
     """Of the metered pixels."""
     level: float = 0.6
     """Share of full well at which that percentile shall lie."""
