@@ -60,6 +60,16 @@ def test_no_material_reflects_more_than_it_receives() -> None:
         for p, a, w in zip(polar.ravel(), azimuth.ravel(), solid.ravel(), strict=True):
             light = direction(p, a)
             h = (view + light) / np.linalg.norm(view + light)
-            reflectance(light[2], view[2], h[2], white, metallic, 0.3, fresnel(view[2], 1.5), f)
+            reflectance(
+                light[2],
+                view[2],
+                h[2],
+                (1.0 - metallic) * white,
+                metallic * white,
+                metallic,
+                0.3,
+                fresnel(view[2], 1.5),
+                f,
+            )
             total += f[0] * light[2] * w
         assert 0.75 < total < 1.01

@@ -41,12 +41,11 @@ def ggx(nl, nv, nh, alpha):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def reflectance(nl, nv, nh, albedo, metallic, alpha, F, out):
-    """Fills `out` (3) with f(v, l) [1/sr]."""
+def reflectance(nl, nv, nh, matt, metal, metallic, alpha, F, out):
+    """Fills `out` (3) with f(v, l) [1/sr]; `matt` is (1 - metallic) albedo, `metal` is metallic albedo."""
     lobe = ggx(nl, nv, nh, alpha)
     for c in range(3):
-        dielectric = (1.0 - F) * albedo[c] / np.pi + F * lobe
-        out[c] = (1.0 - metallic) * dielectric + metallic * albedo[c] * lobe
+        out[c] = (1.0 - F) * matt[c] / np.pi + ((1.0 - metallic) * F + metal[c]) * lobe
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -17,7 +17,7 @@ class RaycastConfig:
     """Rays to the Sun's disc per pixel in the refined pixels, for the soft shadow; at least one per camera ray."""
     bounces: int = 2
     """Reflections between surfaces of the target that the diffuse light cache follows; 0: only Sun and Earth."""
-    ambient_rays: int = 64
+    ambient_rays: int = 96
     """Directions in which each point of the light cache looks for Earth and for neighbouring surfaces."""
     ambient_spacing_m: float = 0.35
     """Largest edge between the points of the light cache."""

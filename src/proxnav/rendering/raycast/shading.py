@@ -83,7 +83,7 @@ def shade_sun(surface, sun, lit, irradiance, alpha_sun2, radiance):
         h = np.sqrt(hx * hx + hy * hy + hz * hz)
         nh = min(1.0, (s[0] * hx + s[1] * hy + s[2] * hz) / h)
         alpha = np.sqrt(s[13] * s[13] + alpha_sun2)  # the disc widens the lobe of a smooth surface
-        reflectance(nl, nv, nh, s[9:12], s[12], alpha, s[14], f)
+        reflectance(nl, nv, nh, s[9:12], s[16:19], s[12], alpha, s[14], f)
         for c in range(3):
             radiance[i, c] += lit[i] * nl * irradiance[c] * f[c]
 
@@ -107,8 +107,8 @@ def shade_ambient(triangle, weights, surface, mesh_cache, usable, indirect, tabl
         nv = max(s[0] * s[6] + s[1] * s[7] + s[2] * s[8], 1e-3)
         gloss = table_albedo(table, nv, s[13]) * (1.0 - s[15])
         for c in range(3):
-            diffuse = (1.0 - s[12]) * (1.0 - s[14]) * s[9 + c]
-            mirror = gloss * ((1.0 - s[12]) * s[14] + s[12] * s[9 + c])
+            diffuse = (1.0 - s[14]) * s[9 + c]
+            mirror = gloss * ((1.0 - s[12]) * s[14] + s[16 + c])
             radiance[i, c] += (diffuse + mirror) * E[c] / np.pi
 
 
@@ -134,4 +134,4 @@ def shade_mirror(
         nv = max(s[0] * s[6] + s[1] * s[7] + s[2] * s[8], 1e-3)
         gloss = table_albedo(table, nv, s[13]) * s[15]
         for c in range(3):
-            radiance[i, c] += gloss * ((1.0 - s[12]) * s[14] + s[12] * s[9 + c]) * L[c]
+            radiance[i, c] += gloss * ((1.0 - s[12]) * s[14] + s[16 + c]) * L[c]

@@ -6,9 +6,9 @@ from numba import njit
 from proxnav.rendering.raycast.bsdf import MIN_ALPHA, fresnel
 from proxnav.rendering.raycast.texels import sample
 
-COLUMNS = 16
-"""Of a surface's description: normal 0-2, normal of the triangle 3-5 and direction to the eye 6-8, albedo 9-11,
-metallic 12, alpha 13, Fresnel reflectance 14, weight of the mirror ray 15."""
+COLUMNS = 19
+"""Of a surface's description: normal 0-2, normal of the triangle 3-5, direction to the eye 6-8, matt colour 9-11,
+metallic 12, alpha 13, Fresnel reflectance 14, weight of the mirror ray 15, metal colour 16-18."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -49,8 +49,8 @@ def locate(triangle, rays, eye, camera_z, corners, position, depth, weights):
 def describe(
     triangle, position, weights, eye, pixel_rad, corners, normals, tangents, part, texels, levels, parts, surface
 ):
-    """Fills `surface` (n, 16): shading normal with its texture, material and Fresnel term at each hit."""
-    m = np.empty(8)
+    """Fills `surface` (n, 19): shading normal with its texture, material and Fresnel term at each hit."""
+    m = np.empty(12)
     for i in range(triangle.shape[0]):
         f = triangle[i]
         c, w, s, p = corners[f], weights[i], surface[i], parts[part[f]]
@@ -73,11 +73,11 @@ def describe(
         # geometric mean of the footprint's two widths on the tilted surface
         footprint = distance * pixel_rad / np.sqrt(max(abs(cosine), 0.05))
         sample(texels, levels, p, u, v, footprint, m)
-        if m[5] != 0.0 or m[6] != 0.0:
+        if m[8] != 0.0 or m[9] != 0.0:
             t = tangents[f]
-            bx = nx + m[5] * t[0] + m[6] * t[3]
-            by = ny + m[5] * t[1] + m[6] * t[4]
-            bz = nz + m[5] * t[2] + m[6] * t[5]
+            bx = nx + m[8] * t[0] + m[9] * t[3]
+            by = ny + m[8] * t[1] + m[9] * t[4]
+            bz = nz + m[8] * t[2] + m[9] * t[5]
             # a bump that turns away from the eye would be unlit: keep it just in view
             facing = bx * vx + by * vy + bz * vz
             lift = max(0.0, 0.02 - facing)
@@ -86,7 +86,8 @@ def describe(
             nx, ny, nz = bx / n, by / n, bz / n
         s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8] = nx, ny, nz, gx, gy, gz, vx, vy, vz
         s[9], s[10], s[11], s[12] = m[0], m[1], m[2], m[3]
-        alpha = max(np.sqrt(m[4] + 2.0 * m[7]), MIN_ALPHA)
+        s[16], s[17], s[18] = m[4], m[5], m[6]
+        alpha = max(np.sqrt(m[7] + 2.0 * m[10]), MIN_ALPHA)
         s[13] = min(alpha, 1.0)
         F = fresnel(nx * vx + ny * vy + nz * vz, p[4])
         s[14] = F

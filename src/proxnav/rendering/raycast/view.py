@@ -158,7 +158,7 @@ def _sun_directions(
 
 
 def _surface(view: View, hits: Hits, pixel_rad: float) -> np.ndarray:
-    """(n, 16) description of the surface at each hit, see `surface.COLUMNS`."""
+    """(n, 19) description of the surface at each hit, see `surface.COLUMNS`."""
     mesh, textures = view.model.mesh, view.textures
     surface = np.empty((len(hits.triangle), COLUMNS))
     describe(
