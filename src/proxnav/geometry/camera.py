@@ -47,7 +47,11 @@ class Camera:
         """The camera of a SPEED+ `camera.json` (focal length in metres, matrix in pixels)."""
         from proxnav.geometry.camera_files import read_speed_json
 
-        return Camera(**read_speed_json(path))
+        fields = read_speed_json(path)
+        try:
+            return Camera(**fields)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
 
     @cached_property
     def K(self) -> Float[np.ndarray, "3 3"]:

@@ -24,12 +24,12 @@ def read_speed_json(path: str | Path) -> dict[str, Any]:
     try:
         K = np.array(content["cameraMatrix"], dtype=np.float64).reshape(3, 3)
         k = np.array(content["distCoeffs"], dtype=np.float64).reshape(5)
-        width, height = int(content["Nu"]), int(content["Nv"])
+        width, height = _whole(content["Nu"]), _whole(content["Nv"])
     except (TypeError, ValueError) as error:
         raise InputError(
             f"{path}: cameraMatrix must be 3x3 numbers, distCoeffs 5 numbers, Nu and Nv integers ({error})"
         ) from None
-    if K[0, 1] != 0.0 or not np.array_equal(K[2], (0.0, 0.0, 1.0)):
+    if K[0, 1] != 0.0 or K[1, 0] != 0.0 or not np.array_equal(K[2], (0.0, 0.0, 1.0)):
         raise InputError(f"{path}: cameraMatrix must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], found {K.tolist()}")
     fields = {"width": width, "height": height, "fx": K[0, 0], "fy": K[1, 1], "cx": K[0, 2], "cy": K[1, 2]}
     return {key: value if isinstance(value, int) else float(value) for key, value in fields.items()} | {
@@ -51,6 +51,12 @@ def speed_json(camera: Any, pixel_pitch_m: float = _PIXEL_PITCH_M) -> dict[str, 
         "cameraMatrix": camera.K.tolist(),
         "distCoeffs": list(camera.distortion),
     }
+
+
+def _whole(value: Any) -> int:
+    if int(value) != float(value):
+        raise ValueError(f"{value} is not a whole number of pixels")
+    return int(value)
 
 
 def _load(path: Path) -> dict[str, Any]:
