@@ -12,7 +12,7 @@ from proxnav.rendering.earth import atmosphere, moon, sun
 from proxnav.rendering.earth.aerial import Aerial, empty
 from proxnav.rendering.earth.clouds import clouds
 from proxnav.rendering.earth.ellipsoid import stretched
-from proxnav.rendering.earth.image import draw, lattice_rays, lattice_size, room, shade_many
+from proxnav.rendering.earth.image import block_px, draw, lattice_rays, lattice_size, room, shade_many
 from proxnav.rendering.earth.imagery import ground_pyramid
 from proxnav.rendering.earth.state import SIZE, Eye, World
 
@@ -100,9 +100,10 @@ def background_image(
     world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
     out = np.zeros((window.height, window.width, 3), dtype=np.float32)
     rays = lattice_rays(camera)
-    shape = lattice_size(window.x, window.y, window.width, window.height)
+    block = block_px(camera)
+    shape = lattice_size(block, window.x, window.y, window.width, window.height)
     states, ends = np.empty((*shape, SIZE), dtype=np.float32), np.empty(shape, dtype=np.int64)
-    draw(eye, world, aerial, room(), states, ends, rays, R_ecef_cam, window.x, window.y, 1.0 / camera.fx, out)
+    draw(eye, world, aerial, room(), states, ends, rays, R_ecef_cam, block, window.x, window.y, 1.0 / camera.fx, out)
     return out
 
 

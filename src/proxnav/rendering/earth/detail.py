@@ -123,7 +123,9 @@ def radiance(eye, world, ends, st, m, out):
         share = cl.opacity(world.clouds, value)
         if 0.0 < share < 1.0:
             share = 1.0 - (1.0 - share) ** st[s.C_SLANT]
-    if ends == s.ON_GROUND and share < 0.998:
+    if share > 0.998:
+        share = 1.0  # nothing of the ground: it is not looked at
+    elif ends == s.ON_GROUND:
         _ground(eye, world, st, m, out)
     if share > 0.0:
         lit = min(1.3, max(0.30, 1.0 - 0.45 * CLOUD_HEIGHT_M * slope * st[s.C_TILT]))

@@ -16,8 +16,17 @@ from proxnav.rendering.earth.detail import radiance
 from proxnav.rendering.earth.ellipsoid import A_M
 from proxnav.rendering.earth.kernel import kernel
 
-BLOCK = 8
-"""px, side of a block of the lattice."""
+FINEST_BLOCK, WIDEST_BLOCK = 2, 8
+BLOCK_RAD = 5.7e-3
+"""Sides of a block [px], and the angle that it spans where these allow: 2.3 km below an eye at 400 km."""
+
+
+def block_px(camera: Camera) -> int:
+    """Side of a block of the camera's lattice."""
+    block = WIDEST_BLOCK
+    while block > FINEST_BLOCK and block > BLOCK_RAD * camera.fx:
+        block //= 2
+    return block
 
 
 class Room(NamedTuple):
@@ -37,17 +46,17 @@ def room() -> Room:
     return Room(np.zeros(6), row[0].copy(), np.zeros(7), np.zeros(3), row[1].copy(), row[2].copy())
 
 
-def lattice_size(x0: int, y0: int, width: int, height: int) -> tuple[int, int]:
+def lattice_size(block: int, x0: int, y0: int, width: int, height: int) -> tuple[int, int]:
     """(rows, columns) of lattice corners around a window."""
-    rows, columns = (y0 + height - 1) // BLOCK - y0 // BLOCK + 2, (x0 + width - 1) // BLOCK - x0 // BLOCK + 2
-    return rows, columns
+    return (y0 + height - 1) // block - y0 // block + 2, (x0 + width - 1) // block - x0 // block + 2
 
 
 @lru_cache(maxsize=4)
 def lattice_rays(camera: Camera) -> np.ndarray:
     """(rows, columns, 3) rays with z = 1 through the corners of the blocks; NaN where the lens has none."""
-    x = np.arange(-(-camera.width // BLOCK) + 1) * float(BLOCK)
-    y = np.arange(-(-camera.height // BLOCK) + 1) * float(BLOCK)
+    block = block_px(camera)
+    x = np.arange(-(-camera.width // block) + 1) * float(block)
+    y = np.arange(-(-camera.height // block) + 1) * float(block)
     rays = camera.unproject(np.stack(np.meshgrid(x, y), axis=-1))
     rays.setflags(write=False)
     return rays
@@ -126,10 +135,10 @@ def _is_gentle(st, i, j):
 
 
 @kernel()
-def draw(eye, world, aerial, room, states, ends, rays, R, x0, y0, pixel_rad, out):
+def draw(eye, world, aerial, room, states, ends, rays, R, block, x0, y0, pixel_rad, out):
     """Fills `out` (h, w, 3), the window whose first pixel is (x0, y0); R turns camera axes to Earth-fixed axes."""
     h, w = out.shape[0], out.shape[1]
-    i0, j0 = y0 // BLOCK, x0 // BLOCK
+    i0, j0 = y0 // block, x0 // block
     n_i, n_j = states.shape[0] - 1, states.shape[1] - 1
     work, st, m, value, left, right = room.air, room.state, room.map, room.value, room.left, room.right
     _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends)
@@ -140,19 +149,23 @@ def draw(eye, world, aerial, room, states, ends, rays, R, x0, y0, pixel_rad, out
                 for b in range(2):
                     low, high = min(low, ends[i + a, j + b]), max(high, ends[i + a, j + b])
             gentle = low == s.ON_GROUND and _is_gentle(states, i, j)
-            if high == s.BEYOND and low == s.BEYOND and not _holds_disc(eye, rays, i0 + i, j0 + j, R, pixel_rad):
+            if (
+                high == s.BEYOND
+                and low == s.BEYOND
+                and not _holds_disc(eye, rays, i0 + i, j0 + j, R, block * pixel_rad)
+            ):
                 continue
-            py0, py1 = max((i0 + i) * BLOCK, y0), min((i0 + i + 1) * BLOCK, y0 + h)
-            px0, px1 = max((j0 + j) * BLOCK, x0), min((j0 + j + 1) * BLOCK, x0 + w)
+            py0, py1 = max((i0 + i) * block, y0), min((i0 + i + 1) * block, y0 + h)
+            px0, px1 = max((j0 + j) * block, x0), min((j0 + j + 1) * block, x0 + w)
             for py in range(py0, py1):
-                fy = np.float32((py + 0.5) / BLOCK - (i0 + i))
+                fy = np.float32((py + 0.5) / block - (i0 + i))
                 if gentle:
                     for k in range(s.SIZE):
                         left[k] = states[i, j, k] + fy * (states[i + 1, j, k] - states[i, j, k])
                         right[k] = states[i, j + 1, k] + fy * (states[i + 1, j + 1, k] - states[i, j + 1, k])
                         right[k] -= left[k]
                 for px in range(px0, px1):
-                    fx = np.float32((px + 0.5) / BLOCK - (j0 + j))
+                    fx = np.float32((px + 0.5) / block - (j0 + j))
                     if gentle:
                         for k in range(s.SIZE):
                             st[k] = left[k] + fx * right[k]
@@ -179,11 +192,11 @@ def _ray(rays, i, j, fy, fx, R):
 
 
 @kernel()
-def _holds_disc(eye, rays, i, j, R, pixel_rad):
+def _holds_disc(eye, rays, i, j, R, block_rad):
     """Whether a block may hold part of the Sun or the Moon."""
     x, y, z = _ray(rays, i, j, 0.5, 0.5, R)
     half = max(sun.HALF_ANGLE, eye.moon_half_angle)
-    cos_reach = math.cos(min(3.0, half + 1.5 * BLOCK * pixel_rad))
+    cos_reach = math.cos(min(3.0, half + 1.5 * block_rad))
     to_sun = x * eye.sun[0] + y * eye.sun[1] + z * eye.sun[2]
     to_moon = x * eye.moon[0] + y * eye.moon[1] + z * eye.moon[2]
     return to_sun > cos_reach or to_moon > cos_reach

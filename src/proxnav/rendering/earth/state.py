@@ -171,21 +171,27 @@ def _ground_state(eye, world, t, ux, uy, uz, dx, dy, dz, nu, pixel_rad, st):
         st[MIRROR + k] = mirror * st[DIRECT + k]
     st[MIRROR_SKY] = fresnel_water(cos_view)
     st[SHADOW] = 0.0
+    _sunward(eye, x, y, z, st)
     if mu > 0.0 and world.clouds.threshold < cl.NONE:
         away = 0.6 * CLOUD_TOP_M / max(mu, 0.08)
         wide = max(1.5e3, footprint)
-        st[SHADOW] = cl.opacity(world.clouds, _toward(eye, world, x, y, z, lon, lat, away, wide, st))
+        st[SHADOW] = cl.opacity(world.clouds, _field_sunward(world, x, y, z, lon, lat, away, wide, st))
 
 
 @kernel()
-def _toward(eye, world, x, y, z, lon, lat, distance_m, footprint_m, st):
-    """Cloud field at a place moved along the ground towards the Sun; leaves the unit step in st[TOWARD:]."""
+def _sunward(eye, x, y, z, st):
+    """Unit step along the ground towards the Sun into st[TOWARD:]."""
     to = eye.sun
     up = x * to[0] + y * to[1] + z * to[2]
     tx, ty, tz = to[0] - up * x, to[1] - up * y, to[2] - up * z
     length = math.sqrt(max(1e-12, tx * tx + ty * ty + tz * tz))
-    tx, ty, tz = tx / length, ty / length, tz / length
-    st[TOWARD], st[TOWARD + 1], st[TOWARD + 2] = tx, ty, tz
+    st[TOWARD], st[TOWARD + 1], st[TOWARD + 2] = tx / length, ty / length, tz / length
+
+
+@kernel()
+def _field_sunward(world, x, y, z, lon, lat, distance_m, footprint_m, st):
+    """Cloud field at a place moved along st[TOWARD:]."""
+    tx, ty, tz = st[TOWARD], st[TOWARD + 1], st[TOWARD + 2]
     s = distance_m / A_M
     ring2 = max(1e-4, x * x + y * y)
     d_lon, d_lat = s * (ty * x - tx * y) / ring2, s * tz / math.sqrt(ring2)
@@ -206,6 +212,7 @@ def _cloud_state(eye, world, t, ux, uy, uz, dx, dy, dz, pixel_rad, st):
     _light(eye, world, CLOUD_TOP_M, mu, st, C_DIRECT, C_DIFFUSE)
     st[VALUE], st[HEAP], st[WARP] = cl.large(world.clouds, x, y, z, lon, lat, footprint)
     step = max(_SLOPE_STEP_M, footprint)
-    there = _toward(eye, world, x, y, z, lon, lat, step, max(footprint, 30e3), st)
+    _sunward(eye, x, y, z, st)
+    there = _field_sunward(world, x, y, z, lon, lat, step, max(footprint, 30e3), st)
     st[SLOPE] = (there - st[VALUE]) / step
     st[CIRRUS] = cl.cirrus(world.clouds, x, y, z, lon, lat, footprint)
