@@ -20,6 +20,11 @@ from proxnav.pose.estimate import estimate_pose
 SHIPPED = Path(__file__).parent / "weights"
 """Models that come with the package, a folder each."""
 
+VAGUE_RAD = 0.6
+"""Standard deviation of attitude about any axis above which a pose is refused."""
+VAGUE_SHARE = 0.5
+"""Standard deviation of position over range above which a pose is refused."""
+
 
 @dataclass(frozen=True)
 class PoseEstimator:
@@ -60,9 +65,18 @@ class PoseEstimator:
 
     def solve(self, keypoints: Keypoints, camera: Camera) -> PoseResult:
         """Pose from keypoints that were detected before."""
-        return estimate_pose(
+        result = estimate_pose(
             self.points_target_m, keypoints.pixels, camera, keypoints.covariances_px2, keypoints.scores, self.pose
         )
+        return PoseResult.failure("no_consensus", len(result.inliers)) if _is_vague(result) else result
+
+
+def _is_vague(result: PoseResult) -> bool:
+    """Whether a pose claims to know so little that it says nothing: keypoints of an image without the target."""
+    if result.T_cam_target is None or result.covariance is None:
+        return False
+    sigma = np.sqrt(np.diag(result.covariance))
+    return bool(sigma[3:].max() > VAGUE_RAD or sigma[:3].max() > VAGUE_SHARE * np.linalg.norm(result.T_cam_target.t_m))
 
 
 def shipped_models() -> list[str]:

@@ -8,6 +8,7 @@ from proxnav.errors import InputError
 NETWORKS = {
     "heatmap": ("train_heatmap", "crop", "our crop network, on fresh ray-cast crops"),
     "finder": ("train_heatmap", "finder", "the network that finds the target in the full frame"),
+    "export": ("train_export", "main", "trained networks as a model folder that runs without torch"),
     "keypoint-rcnn": ("train_rcnn", "main", "the seed study's Keypoint R-CNN"),
 }
 
