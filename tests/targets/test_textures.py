@@ -75,8 +75,10 @@ def test_full_randomisation_keeps_sides_apart_in_nine_of_ten_seeds():
 def test_a_random_texture_has_the_tone_of_its_look():
     target = space_rider()
     looks = random_looks(target.materials, 1.0, np.random.default_rng(5))
-    means = [texture.albedo.mean() for texture in part_textures(target, 1.0, 5)]
-    np.testing.assert_allclose(means, [look.tone for look in looks], atol=0.02)
+    means = np.array([texture.albedo.mean() for texture in part_textures(target, 1.0, 5)])
+    tones = np.array([look.tone for look in looks])
+    np.testing.assert_allclose(means[tones < 0.5], tones[tones < 0.5], atol=0.02)
+    np.testing.assert_allclose(means, tones, atol=0.1)  # texels are cut at 0.95: bright patterns lose a little
 
 
 def test_full_randomisation_varies_tone_and_colour_of_every_part():
