@@ -65,7 +65,7 @@ def with_keypoints(target: Target, points_m: np.ndarray, names: Sequence[str]) -
 
 
 def isolated_parts(target: Target, gap: float = 0.25) -> list[str]:
-    """Parts whose bounding box lies farther from all others than `gap` times the median part-to-centre distance.
+    """Parts whose bounding box is no neighbour, even through others, of the largest part's: `gap` is in its diagonals.
 
     Files often hold leftovers far off the spacecraft; name them in `without`.
     """
