@@ -8,9 +8,11 @@ from jaxtyping import Bool, Float, UInt8
 
 from proxnav.datasets.records import Keypoints
 from proxnav.detection.heatmap.crop import Crop, cut
+from proxnav.detection.images import grey_8_bit
 from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps
 from proxnav.detection.keypoint_rcnn.masks import paste
-from proxnav.detection.keypoint_rcnn.views import grey, whole
+from proxnav.detection.keypoint_rcnn.views import whole
+from proxnav.errors import InputError
 
 ZOOM_MARGIN = 1.4
 """Side of the second look over the longer side of the box found by the first."""
@@ -52,9 +54,10 @@ class Detection:
 
 def detect(run: RunNetwork, image: np.ndarray, side: int, n_keypoints: int, config: DetectConfig) -> Detection:
     """Keypoints of one image (h, w) or (h, w, 3) of 8 or 16 bits, in its own corner-origin pixels."""
-    if image.ndim not in (2, 3) or 0 in image.shape or image.dtype not in (np.uint8, np.uint16):
+    try:
+        picture = grey_8_bit(image)
+    except InputError:
         return Detection(Keypoints.none("bad_image", n_keypoints))
-    picture = grey(image)
     view, found = whole(picture), None
     for _ in range(config.looks):
         if found is not None:

@@ -46,7 +46,7 @@ def export_onnx(network: KeypointRcnn, path: Path, notes: Mapping[str, Any] | No
             # knows torchvision's operators without a further dependency.
             warnings.simplefilter("ignore")
             torch.onnx.export(
-                _Graph(network), (image,), str(temporary), input_names=["image"], output_names=names,
+                _Graph(network).eval(), (image,), str(temporary), input_names=["image"], output_names=names,
                 opset_version=OPSET, dynamo=False,
             )  # fmt: skip
         model = onnx.load(temporary)

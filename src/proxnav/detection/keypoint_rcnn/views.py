@@ -1,18 +1,11 @@
 """What the network sees of an image: a square of it, grey, at the network's side."""
 
-import cv2
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float
 
 from proxnav.detection.heatmap.crop import Crop, cut
+from proxnav.detection.images import grey_8_bit
 from proxnav.detection.samples import TrainingSample
-
-
-def grey(image: np.ndarray) -> UInt8[np.ndarray, "h w"]:
-    """8-bit grey of a grey or colour image of 8 or 16 bits (the upper eight)."""
-    if image.dtype == np.uint16:
-        image = (image >> 8).astype(np.uint8)
-    return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image
 
 
 def whole(image: np.ndarray) -> Crop:
@@ -34,7 +27,7 @@ def seen_through(sample: TrainingSample, view: Crop, side: int) -> TrainingSampl
     corners = view.to_network(sample.box_xyxy.reshape(2, 2), side)
     box = np.clip(corners, 0.0, side).ravel()
     mask = None if sample.mask is None else cut(sample.mask.astype(np.uint8) * 255, view, side) > 127
-    image = cut(grey(sample.image), view, side)
+    image = cut(grey_8_bit(sample.image), view, side)
     return TrainingSample(image, points, np.where(inside, sample.visibility, 0), box, mask)
 
 
