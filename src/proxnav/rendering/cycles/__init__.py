@@ -1,1 +1,5 @@
 """Blender's path tracer, in an interpreter of its own."""
+
+from proxnav.rendering.cycles.config import CyclesConfig
+
+__all__ = ["CyclesConfig"]

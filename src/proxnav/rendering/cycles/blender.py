@@ -1,4 +1,4 @@
-"""Where Blender is: what PROXNAV_BLENDER names, `blender` on the PATH, or the environment of `proxnav setup blender`."""
+"""Where Blender is: named by PROXNAV_BLENDER, `blender` on the PATH, or installed by `proxnav setup blender`."""
 
 import os
 import shutil

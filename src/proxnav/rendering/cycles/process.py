@@ -1,12 +1,12 @@
 """The Blender worker as a process: started, asked, watched, replaced."""
 
+import contextlib
 import subprocess
 import tempfile
 import threading
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 from typing import IO, Any
 
 import numpy as np
@@ -30,7 +30,10 @@ class Worker:
 
     process: subprocess.Popen[bytes]
     folder: tempfile.TemporaryDirectory
-    stderr: deque[str] = field(default_factory=lambda: deque(maxlen=_STDERR_LINES))
+    stderr: deque[str]
+    """The last lines that Blender printed."""
+    listener: threading.Thread
+    """Fills `stderr`, so that the pipe never blocks Blender."""
     memory_mb: float = 0.0
     """Resident memory at its last answer."""
 
@@ -38,10 +41,17 @@ class Worker:
     def start(command: list[str], timeout_s: float) -> "Worker":
         """Starts the worker and waits until it speaks; WorkerDied shows what it printed when it does not."""
         pipe = subprocess.PIPE
-        process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe)
-        worker = Worker(process, tempfile.TemporaryDirectory(prefix="proxnav-cycles-"))
-        threading.Thread(target=_drain, args=(_open(process.stderr), worker.stderr), daemon=True).start()
-        worker._within(timeout_s, lambda: skip_to_magic(_open(process.stdout)))
+        process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True)
+        stderr = deque[str](maxlen=_STDERR_LINES)
+        listener = threading.Thread(target=_drain, args=(_open(process.stderr), stderr), daemon=True)
+        listener.start()
+        folder = tempfile.TemporaryDirectory(prefix="proxnav-cycles-", ignore_cleanup_errors=True)
+        worker = Worker(process, folder, stderr, listener)
+        try:
+            worker._within(timeout_s, lambda: skip_to_magic(_open(process.stdout)))
+        except WorkerDied:
+            worker.stop()
+            raise
         return worker
 
     def ask(self, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray], timeout_s: float) -> Message:
@@ -62,10 +72,8 @@ class Worker:
         self.process.kill()
         self.process.wait()
         for stream in (self.process.stdin, self.process.stdout):
-            try:
+            with contextlib.suppress(BrokenPipeError):  # bytes that the dead worker never read
                 _open(stream).close()
-            except BrokenPipeError:  # bytes that the dead worker never read
-                pass
         self.folder.cleanup()
 
     def _within(self, timeout_s: float, action: Any) -> Any:
@@ -81,7 +89,9 @@ class Worker:
         try:
             return action()
         except (EOFError, OSError) as error:
+            self.process.kill()  # it may have closed its pipe and live on
             self.process.wait()
+            self.listener.join(timeout=2.0)
             reason = f"gave no answer in {timeout_s:g} s" if late.is_set() else f"ended ({error})"
             raise WorkerDied(self._obituary(reason)) from None
         finally:
@@ -98,12 +108,7 @@ def _open(stream: IO[bytes] | None) -> Any:
 
 
 def _drain(stream: IO[bytes], lines: deque[str]) -> None:
-    """Keeps the last lines of the worker's chatter, so that its pipe never fills."""
+    """Keeps the last lines of a stream until it ends."""
     with stream:
         for line in stream:
             lines.append(line.decode(errors="replace").rstrip())
-
-
-def scratch_folder(worker: Worker) -> Path:
-    """The worker's private folder, removed with it."""
-    return Path(worker.folder.name)

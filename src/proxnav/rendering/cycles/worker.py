@@ -11,9 +11,11 @@ bytes of the arrays listed in the header. Commands: `configure`, `load`, `paint`
 
 import json
 import os
+import shutil
 import struct
 import sys
 import traceback
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -84,8 +86,6 @@ def configure(header, arrays):
     cycles.light_sampling_threshold = 0.0
     cycles.use_light_tree = False
     cycles.sample_clamp_direct = 0.0
-    cycles.sample_clamp_indirect = header["clamp_indirect"]
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = header["bounces"]
     cycles.transmission_bounces = cycles.transparent_max_bounces = cycles.volume_bounces = 0
     make_camera(scene)
     make_sun(scene)
@@ -141,12 +141,7 @@ def make_world(scene):
 
 
 def load(header, arrays):
-    """Replaces the target: welded vertices with one normal each, triangles, parts, texture coordinates [m]."""
-    old = bpy.data.objects.get("target")
-    if old is not None:
-        mesh = old.data
-        bpy.data.objects.remove(old)
-        bpy.data.meshes.remove(mesh)
+    """Brings in the target: vertices with one normal each, triangles, parts, texture coordinates [m]."""
     vertices, faces = arrays["vertices"], arrays["faces"]
     mesh = bpy.data.meshes.new("target")
     mesh.vertices.add(len(vertices))
@@ -168,25 +163,35 @@ def load(header, arrays):
 
 def paint(header, arrays):
     """Replaces all materials; `parts` of the header lists them, maps are arrays named `albedo0`, `surface0`, ..."""
+    forget()
     mesh = bpy.data.objects["target"].data
+    old = [*bpy.data.materials, *(image for image in bpy.data.images if image.name.startswith("part"))]
     mesh.materials.clear()
-    for material in list(bpy.data.materials):
-        bpy.data.materials.remove(material)
-    for image in [image for image in bpy.data.images if image.name.startswith("part")]:
-        bpy.data.images.remove(image)
     for index, part in enumerate(header["parts"]):
         maps = {key: arrays.get(f"{key}{index}") for key in ("albedo", "surface", "normal")}
         material = make_material(index, part, maps)
         material.pass_index = index + 1  # 0 is "no target"
         mesh.materials.append(material)
     mesh.polygons.foreach_set("material_index", arrays["face_part"])
+    bpy.data.batch_remove(old)
     return {}, {}
+
+
+def forget():
+    """Frees what Cycles keeps between frames.
+
+    It would keep the images of removed materials for good, and would take a new image for an old one where it happens
+    to lie at the same address.
+    """
+    bpy.context.scene.render.use_persistent_data = False
+    bpy.context.scene.render.use_persistent_data = True
 
 
 def make_material(index, part, maps):
     """The BSDF of targets/material.py: Lambert under a dielectric GGX coat, mixed with a coloured GGX metal."""
     material = bpy.data.materials.new(f"part{index}")
     material.use_nodes = True
+    material.cycles.use_bump_map_correction = False  # it darkens tilted bumps beyond the cosine
     tree = material.node_tree
     tree.nodes.clear()
     link = tree.links.new
@@ -287,9 +292,7 @@ def set_world(environment):
     """Radiance from all around: (rows, 2 rows, 3), row 0 at +z, azimuth from -pi eastwards. None is black."""
     tree = bpy.context.scene.world.node_tree
     tree.nodes.clear()
-    old = bpy.data.images.get("environment")
-    if old is not None:
-        bpy.data.images.remove(old)
+    old = [image for image in bpy.data.images if image.name.startswith("environment")]
     background = add(tree, "ShaderNodeBackground", Color=(0.0, 0.0, 0.0, 1.0))
     if environment is not None:
         node = tree.nodes.new("ShaderNodeTexEnvironment")
@@ -298,6 +301,7 @@ def set_world(environment):
         bpy.context.scene.world.cycles.sample_map_resolution = environment.shape[1]
     output = tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(background.outputs[0], output.inputs["Surface"])
+    bpy.data.batch_remove(old)  # last: Cycles tells images apart by their addresses (see `forget`)
 
 
 # --- frame ------------------------------------------------------------------------------------------------------------
@@ -316,11 +320,11 @@ def render(header, arrays):
     """One frame: `radiance` (h, w, 4) premultiplied with coverage, and what each pixel's centre sees."""
     scene = bpy.context.scene
     set_sun(header["sun"])
-    if header["environment"] != "keep":
-        set_world(arrays.get("environment"))
+    set_world(arrays.get("environment"))
     set_camera(scene, header["view"])
     scene.cycles.seed = header["seed"]
-    path = os.path.join(header["folder"], "frame.exr")
+    scene.cycles.sample_clamp_indirect = header["clamp_indirect"]
+    path = Path(header["folder"]) / "frame.exr"
     light = shoot(scene, path, header["samples"], "BOX", 1.0, header["bounces"])
     radiance = np.stack([light[f"Combined.{c}"] for c in "RGBA"], axis=-1)
     facts = shoot(scene, path, 1, "GAUSSIAN", CENTRE_FILTER_PX, 0)
@@ -337,11 +341,11 @@ def shoot(scene, path, samples, pixel_filter, width_px, bounces):
     scene.cycles.samples = samples
     scene.cycles.pixel_filter_type = pixel_filter
     scene.cycles.filter_width = width_px
-    scene.cycles.max_bounces = bounces
-    scene.render.filepath = path
+    scene.cycles.max_bounces = scene.cycles.diffuse_bounces = scene.cycles.glossy_bounces = bounces
+    scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     channels = read_exr(path)
-    os.unlink(path)
+    path.unlink()
     return channels
 
 
@@ -350,12 +354,11 @@ def read_exr(path):
 
     https://openexr.com/en/latest/OpenEXRFileLayout.html
     """
-    with open(path, "rb") as file:
-        data = file.read()
+    data = path.read_bytes()
     names, window, position = [], None, 8
     while data[position] != 0:
         name, position = c_string(data, position)
-        kind, position = c_string(data, position)
+        _kind, position = c_string(data, position)
         size = struct.unpack_from("<i", data, position)[0]
         position += 4
         if name == "channels":
@@ -390,8 +393,8 @@ def channel_names(data, position):
 def memory_mb():
     """Resident memory of this process [MiB]; 0 where the system does not tell."""
     try:
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+        pages = int(Path("/proc/self/statm").read_text().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
     except OSError:
         return 0.0
 
@@ -399,17 +402,21 @@ def memory_mb():
 def main():
     reply = claim_stdout()
     commands = {"configure": configure, "load": load, "paint": paint, "render": render}
+    folder = None
     while True:
         message = read_message(sys.stdin.buffer)
         if message is None:
             break
         header, arrays = message
+        folder = header["folder"]
         try:
             answer, results = commands[header["command"]](header, arrays)
             answer["status"] = "ok"
         except Exception:
             answer, results = {"status": "error", "message": traceback.format_exc()}, {}
         write_message(reply, answer | {"memory_mb": memory_mb()}, results)
+    if folder is not None:  # the other end is gone and cannot remove it
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,43 @@
+"""What one may choose about Cycles."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from proxnav.errors import InputError
+
+
+@dataclass(frozen=True)
+class CyclesConfig:
+    """Quality against time, and how the Blender worker is watched. No denoiser: it would invent structure."""
+
+    samples: int = 64
+    """Paths per pixel."""
+    bounces: int = 3
+    """Reflections between surfaces of the target."""
+    device: Literal["auto", "cpu"] = "auto"
+    """auto uses the GPUs that Blender finds; frames of different devices differ in their noise."""
+    threads: int = 0
+    """CPU threads; 0 takes all."""
+    indirect_clamp: float = 3.0
+    """Largest radiance of one path after its first reflection, as a multiple of a sunlit white plate; 0 is no limit.
+
+    It removes the fireflies that the Sun's image in curved foil throws on its neighbours, and their energy with them.
+    """
+    environment_rows: int = 64
+    """Rows of the equirectangular map of Earth and sky that lights the target."""
+    oversampling: int = 2
+    """Pixels per pixel and axis of the undistorted picture from which a distorted lens is resampled."""
+    memory_limit_mb: float = 4096.0
+    """A worker that holds more after a frame is replaced before the next one."""
+    timeout_s: float = 900.0
+    """A worker that gives no frame in this time is replaced and the frame repeated."""
+    attempts: int = 3
+    """How often one frame is tried before the error is shown."""
+
+    def __post_init__(self) -> None:
+        counts = (self.samples, self.environment_rows, self.attempts)
+        if min(counts) < 1 or self.bounces < 0 or self.threads < 0 or self.oversampling < 2:
+            raise InputError(
+                "Cycles needs samples, environment_rows and attempts >= 1, bounces and threads >= 0 and "
+                f"oversampling >= 2, found {self}"
+            )
