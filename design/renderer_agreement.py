@@ -9,7 +9,9 @@ than `LIT` of a sunlit white plate in Cycles' picture. Pixels on silhouettes cou
 import argparse
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -50,7 +52,7 @@ def main() -> None:
     print(json.dumps(summary(rows), indent=1))
 
 
-def compare(a: Frame, b: Frame) -> dict[str, float]:
+def compare(a: Frame, b: Frame) -> dict[str, Any]:
     """How much two frames of one scene differ; NaN where there is nothing to compare."""
     both, any_ = a.mask & b.mask, a.mask | b.mask
     off_m = np.abs(a.depth_m[both] - b.depth_m[both])
@@ -74,7 +76,7 @@ def compare(a: Frame, b: Frame) -> dict[str, float]:
     }
 
 
-def summary(rows: list[dict[str, float]]) -> dict[str, float]:
+def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """The means over scenes weighted as the claims are: by pixel for depth and masks, by scene for radiance."""
     seen = [row for row in rows if row["target_px"] > 0]
     pixels = np.array([row["target_px"] for row in seen], dtype=float)
@@ -106,7 +108,7 @@ def _scene(index: int, options: argparse.Namespace) -> SceneSpec:
     scene = random_scene(index, options.seed, config, "space-rider", camera)
     if options.texture > 0.0:
         return scene
-    return SceneSpec(**(vars(scene) | {"texture": TextureSpec()}))
+    return replace(scene, texture=TextureSpec())
 
 
 def _draw(path: Path, a: Frame, b: Frame) -> None:

@@ -39,7 +39,14 @@ def mirror_rays(position, surface, which, origins, directions):
         if s[15] <= 0.0:
             continue
         nv = s[0] * s[6] + s[1] * s[7] + s[2] * s[8]
-        rx, ry, rz = 2.0 * nv * s[0] - s[6], 2.0 * nv * s[1] - s[7], 2.0 * nv * s[2] - s[8]
+        # a rough lobe leans from the mirrored direction to the normal (S. Lagarde, C. de Rousiers, "Moving Frostbite
+        # to physically based rendering", SIGGRAPH 2014, section 4.9.3)
+        rough = np.sqrt(s[13])
+        lean = (1.0 - rough) * (np.sqrt(1.0 - rough) + rough)
+        a, b = 1.0 - lean + 2.0 * nv * lean, lean
+        rx, ry, rz = a * s[0] - b * s[6], a * s[1] - b * s[7], a * s[2] - b * s[8]
+        n = np.sqrt(rx * rx + ry * ry + rz * rz)
+        rx, ry, rz = rx / n, ry / n, rz / n
         under = rx * s[3] + ry * s[4] + rz * s[5]
         lift = max(0.0, 1e-3 - under)  # a bump may reflect into the surface itself: graze it instead
         rx, ry, rz = rx + lift * s[3], ry + lift * s[4], rz + lift * s[5]

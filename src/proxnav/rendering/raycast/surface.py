@@ -92,7 +92,7 @@ def describe(
         F = fresnel(nx * vx + ny * vy + nz * vz, p[4])
         s[14] = F
         strength = (1.0 - m[3]) * F + m[3]
-        s[15] = _ramp(strength, 0.05, 0.12) * (1.0 - _ramp(s[13], 0.25, 0.5))
+        s[15] = _ramp(strength, 0.05, 0.12) * (1.0 - _ramp(s[13], 0.12, 0.3))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
