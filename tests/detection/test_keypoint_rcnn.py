@@ -18,6 +18,7 @@ from torchvision.ops.misc import FrozenBatchNorm2d
 
 from drawings import drawing, drawings
 from proxnav.detection.heatmap.crop import Crop
+from proxnav.detection.keypoint_rcnn.calibrate import fit_calibration
 from proxnav.detection.keypoint_rcnn.config import STUDY_SMALL, NetworkConfig
 from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig, Found, detect
@@ -114,6 +115,22 @@ def test_covariances_scale_with_the_view_and_never_fall_below_the_floor() -> Non
     np.testing.assert_allclose(result, np.tile(0.16 * np.eye(2), (2, 1, 1)))
     scaled = covariances(np.eye(2)[None], 3.0, Calibration(scale=2.0, floor_px=0.0))
     np.testing.assert_allclose(scaled[0], 18.0 * np.eye(2))
+
+
+def test_calibration_recovers_scale_and_floor_despite_mistakes(rng: np.random.Generator) -> None:
+    spreads = rng.uniform(0.05, 9.0, 6000)[:, None, None] * np.eye(2)
+    true = covariances(spreads, 1.0, Calibration(scale=2.5, floor_px=0.5))
+    heavy = np.sqrt(4.0 / rng.chisquare(4.0, 6000))[:, None]
+    errors = heavy * np.einsum("nij,nj->ni", np.linalg.cholesky(true), rng.normal(size=(6000, 2)))
+    errors[:60] += 200.0  # one in a hundred on the wrong corner
+    fitted = fit_calibration(errors, spreads)
+    assert fitted.scale == pytest.approx(2.5, rel=0.15)
+    assert fitted.floor_px == pytest.approx(0.5, rel=0.2)
+
+
+def test_calibration_needs_enough_keypoints() -> None:
+    with pytest.raises(InputError, match="0 keypoints found"):
+        fit_calibration(np.full((50, 2), np.nan), np.ones((50, 2, 2)))
 
 
 @given(st.floats(0.5, 55.5), st.floats(0.5, 55.5))

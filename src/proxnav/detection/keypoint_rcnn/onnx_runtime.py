@@ -47,7 +47,7 @@ def load_onnx(path: Path, threads: int = 0) -> OnnxKeypointRcnn:
     names = [output.name for output in session.get_outputs()]
 
     def run(picture: np.ndarray) -> Found:
-        outputs: list[Any] = session.run(names, {"image": np.ascontiguousarray(picture)[None]})
+        outputs: Any = session.run(names, {"image": np.ascontiguousarray(picture)[None]})
         found = {name: value[0].astype(np.float64) for name, value in zip(names, outputs, strict=True)}
         return Found(found["boxes"], float(found["scores"]), found["keypoint_maps"], found.get("mask_maps"))
 
