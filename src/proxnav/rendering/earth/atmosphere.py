@@ -153,7 +153,7 @@ def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
     if t_start < 0.0 or t_end <= t_start:
         return
     t_low = min(max(-r0 * mu, t_start), t_end)  # where the path is lowest
-    tau0, tau1, tau2 = 0.0, 0.0, 0.0
+    through0, through1, through2 = 1.0, 1.0, 1.0
     before, after = t_low - t_start, t_end - t_low
     n_before = steps if after <= 0.0 else (0 if before <= 0.0 else steps // 2)
     for s in range(steps):
@@ -171,23 +171,23 @@ def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
         mu_sun = (r0 * mu_sun0 + t * nu) / r
         sun = sun_transmittance(transmittance, r, mu_sun)
         higher = _multiple_lookup(multiple, h, mu_sun)
-        tau0 += _gather(out, 0, tau0, dt, air, aerosol, ozone, sun[0], higher[0])
-        tau1 += _gather(out, 1, tau1, dt, air, aerosol, ozone, sun[1], higher[1])
-        tau2 += _gather(out, 2, tau2, dt, air, aerosol, ozone, sun[2], higher[2])
-    out[9], out[10], out[11] = math.exp(-tau0), math.exp(-tau1), math.exp(-tau2)
+        through0 *= _gather(out, 0, through0, dt, air, aerosol, ozone, sun[0], higher[0])
+        through1 *= _gather(out, 1, through1, dt, air, aerosol, ozone, sun[1], higher[1])
+        through2 *= _gather(out, 2, through2, dt, air, aerosol, ozone, sun[2], higher[2])
+    out[9], out[10], out[11] = through0, through1, through2
 
 
 @kernel()
-def _gather(out, k, tau, dt, air, aerosol, ozone, sun, higher):
-    """Adds the light of one step of a path in band k; returns the step's optical depth."""
+def _gather(out, k, before, dt, air, aerosol, ozone, sun, higher):
+    """Adds the light of one step of a path in band k; returns the step's transmittance."""
     scatter_r, scatter_m = RAYLEIGH[k] * air, MIE_ALBEDO * MIE_EXTINCTION[k] * aerosol
     extinction = RAYLEIGH[k] * air + MIE_EXTINCTION[k] * aerosol + OZONE[k] * ozone
-    d_tau = extinction * dt
-    through = math.exp(-tau) * (dt if d_tau < 1e-4 else (1.0 - math.exp(-d_tau)) / extinction)
+    step = math.exp(-extinction * dt)
+    through = before * (dt if 1.0 - step < 1e-4 else (1.0 - step) / extinction)
     out[k] += scatter_r * sun * through
     out[3 + k] += scatter_m * sun * through
     out[6 + k] += (scatter_r + scatter_m) * higher * through
-    return d_tau
+    return step
 
 
 @kernel(inline="always")
