@@ -5,7 +5,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from proxnav.detection.samples import TrainingSample, check_keypoint_count, shuffled
+from proxnav.detection.samples import TrainingSample, check_keypoint_count, shuffled, with_keypoints
 from proxnav.errors import InputError
 
 IMAGE = np.zeros((6, 8), np.uint8)
@@ -72,3 +72,13 @@ def test_a_broken_data_set_ends_the_run() -> None:
 
     with pytest.raises(InputError, match="3 of 10 samples cannot be read, the last one because: no such file"):
         numbers(shuffled(load, 10, seed=0), 0, 1, 1)
+
+
+def test_a_stream_can_be_narrowed_to_a_subset_of_keypoints() -> None:
+    points, seen = np.arange(8.0).reshape(4, 2), np.array([2, 1, 0, 2])
+    whole = TrainingSample(IMAGE, points, seen, NOWHERE)
+    narrow = next(with_keypoints(lambda start, stride: iter([whole]), (3, 1))(0, 1))
+    np.testing.assert_array_equal(narrow.keypoints_px, points[[3, 1]])
+    assert narrow.visibility.tolist() == [2, 1]
+    with pytest.raises(InputError, match="keypoint 4 was asked for, samples have 4"):
+        next(with_keypoints(lambda start, stride: iter([whole]), (4,))(0, 1))

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
@@ -108,3 +108,18 @@ def _check_image(image: np.ndarray) -> None:
     grey_or_colour = image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)
     if image.dtype != np.uint8 or not grey_or_colour or 0 in image.shape:
         raise InputError(f"a training image must be uint8 (h, w) or (h, w, 3), found {image.dtype} {image.shape}")
+
+
+def with_keypoints(source: SampleSource, indices: tuple[int, ...]) -> SampleSource:
+    """The same stream with some of the keypoints only, in the order of `indices`: a target's subset, for example."""
+    chosen = list(indices)
+
+    def stream(start: int, stride: int) -> Iterator[TrainingSample]:
+        for sample in source(start, stride):
+            if max(chosen) >= len(sample.keypoints_px):
+                raise InputError(
+                    f"keypoint {max(chosen)} was asked for, samples have {len(sample.keypoints_px)} (counted from 0)"
+                )
+            yield replace(sample, keypoints_px=sample.keypoints_px[chosen], visibility=sample.visibility[chosen])
+
+    return stream
