@@ -131,15 +131,14 @@ def gather(
     sunlight: Float[np.ndarray, "n_cache 3"],
     sky: Float32[np.ndarray, "rows columns 3"] | None,
     bounces: int,
-) -> tuple[Float64[np.ndarray, "n_cache 3"], Float64[np.ndarray, "n_cache 3"]]:
-    """(indirect irradiance, exitance) [W/m^2] of every point under direct sunlight, emission and Earth's map."""
+) -> Float64[np.ndarray, "n_cache 3"]:
+    """Indirect irradiance [W/m^2] of every point under direct sunlight, emission and Earth's map."""
     from_sky = np.zeros_like(sunlight)
     if sky is not None:
         gather_sky(cache.sky_start, cache.sky_cell, cache.rays, sky.reshape(-1, 3), from_sky)
     indirect = from_sky
-    exitance = emitted + albedo * (sunlight + indirect)
     for _ in range(bounces):
+        exitance = emitted + albedo * (sunlight + indirect)
         indirect = from_sky.copy()
         gather_surfaces(cache.point_start, cache.point, cache.rays, exitance, indirect)
-        exitance = emitted + albedo * (sunlight + indirect)
-    return indirect, exitance
+    return indirect

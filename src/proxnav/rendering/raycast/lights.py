@@ -29,8 +29,8 @@ class Lights:
     environment: Environment
     indirect: Float[np.ndarray, "n_cache 3"]
     """Irradiance of the light-cache points from Earth and from neighbouring surfaces."""
-    exitance: Float[np.ndarray, "n_cache 3"]
-    """What the light-cache points send back, evenly to all sides."""
+    sun_seen: Float[np.ndarray, "n_cache 3"]
+    """1 where a light-cache point sees the Sun, else 0, for each band."""
 
     @property
     def has_sun(self) -> bool:
@@ -40,7 +40,7 @@ class Lights:
     @property
     def has_ambient(self) -> bool:
         """Whether anything but the Sun does."""
-        return bool(self.indirect.any() or self.exitance.any())
+        return bool(self.indirect.any() or self.sun_seen.any())
 
 
 def light_up(scene: SceneSpec, model: Model, textures: TexelTable, config: RaycastConfig) -> Lights:
@@ -50,30 +50,29 @@ def light_up(scene: SceneSpec, model: Model, textures: TexelTable, config: Rayca
     sun_irradiance = np.array(scene.sun.irradiance) * scene.sun.visible_fraction
     sky = None if scene.earth is None else environment_map(scene, config.environment_rows)
     environment = build_environment(_NO_SKY if sky is None else sky)
-    indirect, exitance = _gathered(model, textures, sun, sun_irradiance, sky, config)
-    return Lights(sun, sun_irradiance, environment, indirect, exitance)
+    follow = config.bounces > 0 and bool(sun_irradiance.any())
+    seen = _sun_seen(model, sun) if follow else np.zeros(len(model.mesh.cache_part))
+    cosine = seen * np.maximum(model.mesh.cache_normal @ sun, 0.0)
+    indirect = _gathered(model, textures, cosine, sun_irradiance, sky, config)
+    return Lights(sun, sun_irradiance, environment, indirect, np.repeat(seen[:, None], 3, axis=1))
 
 
 def _gathered(
     model: Model,
     textures: TexelTable,
-    sun: np.ndarray,
+    cosine: np.ndarray,
     sun_irradiance: np.ndarray,
     sky: np.ndarray | None,
     config: RaycastConfig,
-) -> tuple[np.ndarray, np.ndarray]:
-    """(indirect irradiance, exitance) of the light cache's points."""
-    n = len(model.mesh.cache_position)
-    if sky is None and config.bounces == 0:
-        return np.zeros((n, 3)), np.zeros((n, 3))
+) -> np.ndarray:
+    """(n_cache, 3) indirect irradiance, where the Sun shines with `cosine` (0 in shadow)."""
     albedo = textures.mean_albedo[model.mesh.cache_part].astype(np.float64)
     emitted = np.pi * textures.parts[model.mesh.cache_part, 5:8]
-    sunlight = _sunlight(model, sun)[:, None] * sun_irradiance
-    return gather(model.cache, albedo, emitted, sunlight, sky, config.bounces)
+    return gather(model.cache, albedo, emitted, cosine[:, None] * sun_irradiance, sky, config.bounces)
 
 
-def _sunlight(model: Model, sun: np.ndarray) -> np.ndarray:
-    """(n_cache,) cosine of the Sun at each light-cache point, 0 in shadow."""
+def _sun_seen(model: Model, sun: np.ndarray) -> np.ndarray:
+    """(n_cache,) 1 where a light-cache point sees the Sun, else 0."""
     mesh = model.mesh
     cosine = mesh.cache_normal @ sun
     facing = np.flatnonzero(cosine > 0.0)
@@ -81,5 +80,5 @@ def _sunlight(model: Model, sun: np.ndarray) -> np.ndarray:
     directions = np.broadcast_to(sun.astype(np.float32), origins.shape)
     shadowed = model.tracer.occluded(origins.astype(np.float32), np.ascontiguousarray(directions))
     light = np.zeros(len(cosine))
-    light[facing] = np.where(shadowed, 0.0, cosine[facing]) * model.cache.usable[facing]
+    light[facing] = np.where(shadowed, 0.0, model.cache.usable[facing])
     return light

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from proxnav.rendering.raycast.bsdf import reflectance, table_albedo
+from proxnav.rendering.raycast.bsdf import fresnel, ggx, reflectance, table_albedo
 from proxnav.rendering.raycast.environment import lobe_radiance
 from proxnav.rendering.raycast.light_cache import OFFSET_M
 from proxnav.rendering.raycast.surface import barycentric
@@ -121,10 +121,12 @@ def shade_ambient(triangle, weights, surface, mesh_cache, usable, indirect, tabl
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def shade_mirror(
-    which, directions, seen, origins, corners, mesh_cache, usable, exitance, surface, sky, lobes, table, radiance
-):
-    """Adds what the mirror rays see: the target by its light cache, else Earth and sky averaged over the lobe."""
+    which, directions, seen, origins, corners, mesh_cache, part, parts, means, usable, indirect, sun_seen, sun,
+    irradiance, surface, sky, lobes, table, radiance,
+):  # fmt: skip
+    """Adds what the mirror rays see: the target, shaded by the means of its parts, else Earth and sky over the lobe."""
     L, w, origin, ray = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    E, S = np.empty(3), np.empty(3)
     for j in range(which.shape[0]):
         i = which[j]
         s = surface[i]
@@ -133,12 +135,44 @@ def shade_mirror(
             for k in range(3):
                 origin[k], ray[k] = origins[j, k], directions[j, k]
             barycentric(corners[f], origin, ray, w)
-            _interpolate(mesh_cache[f], w, exitance, usable, L)
-            for c in range(3):
-                L[c] /= np.pi
+            _interpolate(mesh_cache[f], w, indirect, usable, E)
+            _interpolate(mesh_cache[f], w, sun_seen, usable, S)
+            _shade_reflected(
+                corners[f], w, ray, parts[part[f]], means[part[f]], E, S[0], sun, irradiance, sky, lobes, table, L
+            )
         else:
             lobe_radiance(sky, lobes, directions[j, 0], directions[j, 1], directions[j, 2], s[13], L)
         nv = max(s[0] * s[6] + s[1] * s[7] + s[2] * s[8], 1e-3)
         gloss = table_albedo(table, nv, s[13]) * s[15]
         for c in range(3):
             radiance[i, c] += gloss * ((1.0 - s[12]) * s[14] + s[16 + c]) * L[c]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _shade_reflected(corners, w, ray, part, mean, E, seen, sun, irradiance, sky, lobes, table, L):
+    """Fills `L` (3) with the radiance against `ray` of a point seen in a mirror; its own gloss shows the open sky."""
+    nx = w[0] * corners[0, 3] + w[1] * corners[1, 3] + w[2] * corners[2, 3]
+    ny = w[0] * corners[0, 4] + w[1] * corners[1, 4] + w[2] * corners[2, 4]
+    nz = w[0] * corners[0, 5] + w[1] * corners[1, 5] + w[2] * corners[2, 5]
+    n = max(np.sqrt(nx * nx + ny * ny + nz * nz), 1e-9)
+    nx, ny, nz = nx / n, ny / n, nz / n
+    nv = -(nx * ray[0] + ny * ray[1] + nz * ray[2])
+    if nv < 0.0:
+        nx, ny, nz, nv = -nx, -ny, -nz, -nv
+    nv = max(nv, 1e-2)
+    alpha = min(max(np.sqrt(mean[7] + 2.0 * mean[10]), 1e-2), 1.0)
+    F = fresnel(nv, part[4])
+    x, y, z = ray[0] + 2.0 * nv * nx, ray[1] + 2.0 * nv * ny, ray[2] + 2.0 * nv * nz
+    r = np.sqrt(x * x + y * y + z * z)
+    lobe_radiance(sky, lobes, x / r, y / r, z / r, alpha, L)
+    albedo = table_albedo(table, nv, alpha)
+    nl, lobe = nx * sun[0] + ny * sun[1] + nz * sun[2], 0.0
+    if nl > 0.0 and seen > 0.0:
+        hx, hy, hz = sun[0] - ray[0], sun[1] - ray[1], sun[2] - ray[2]
+        h = np.sqrt(hx * hx + hy * hy + hz * hz)
+        lobe = ggx(nl, nv, min(1.0, (nx * hx + ny * hy + nz * hz) / h), alpha)
+    for c in range(3):
+        sunlight = irradiance[c] * seen * max(nl, 0.0)
+        matt = (1.0 - F) * mean[c] * (E[c] + sunlight) / np.pi
+        gloss = (1.0 - mean[3]) * F + mean[4 + c]
+        L[c] = part[5 + c] + matt + gloss * (albedo * L[c] + lobe * sunlight)

@@ -50,13 +50,18 @@ class TexelTable:
     """First texel, height and width of each level."""
     parts: Float64[np.ndarray, "n_parts 8"]
     """First level, number of levels, tile along u and v [m], index of refraction, emission (3)."""
-    mean_albedo: Float32[np.ndarray, "n_parts 3"]
-    """What the whole part reflects on average, for light that bounces."""
+    means: Float32[np.ndarray, "n_parts 12"]
+    """The coarsest texel of each part, for light that bounces."""
+
+    @property
+    def mean_albedo(self) -> Float32[np.ndarray, "n_parts 3"]:
+        """What the whole part reflects on average."""
+        return self.means[:, :3] + self.means[:, 4:7]
 
 
 def build_table(textures: Sequence[SurfaceTexture], materials: Sequence[Material]) -> TexelTable:
     """The table of one texture per part."""
-    texels, levels, parts, albedo = [], [], [], []
+    texels, levels, parts, means = [], [], [], []
     count = 0
     for texture, material in zip(textures, materials, strict=True):
         chain = _mip_chain(_pack(texture))
@@ -66,10 +71,10 @@ def build_table(textures: Sequence[SurfaceTexture], materials: Sequence[Material
             levels.append([count, *level.shape[:2]])
             texels.append(level.reshape(-1, CHANNELS))
             count += len(texels[-1])
-        albedo.append(_total_albedo(chain[-1].reshape(CHANNELS)))
+        means.append(chain[-1].reshape(CHANNELS))
     return TexelTable(
         np.ascontiguousarray(np.concatenate(texels), np.float32), np.array(levels, np.int32), np.array(parts),
-        np.array(albedo, np.float32),
+        np.array(means, np.float32),
     )  # fmt: skip
 
 
@@ -88,11 +93,6 @@ def _pack(texture: SurfaceTexture) -> np.ndarray:
         packed[..., 8:10] = slope
         packed[..., 10] = 0.5 * (slope**2).sum(axis=-1)
     return packed
-
-
-def _total_albedo(texel: np.ndarray) -> np.ndarray:
-    """(3,) reflectance of both shares together."""
-    return texel[:3] + texel[4:7]
 
 
 def _mip_chain(level: np.ndarray) -> list[np.ndarray]:

@@ -180,6 +180,7 @@ def _shade_ambient(view: View, hits: Hits, surface: np.ndarray, radiance: np.nda
     count = shading.mirror_rays(hits.position, surface, which, origins, directions)
     seen = view.model.tracer.first_hit(origins[:count], directions[:count])
     shading.shade_mirror(
-        which[:count], directions, seen, origins, mesh.corners, mesh.cache, usable, lights.exitance, surface,
+        which[:count], directions, seen, origins, mesh.corners, mesh.cache, mesh.part, view.textures.parts,
+        view.textures.means, usable, lights.indirect, lights.sun_seen, lights.sun, lights.sun_irradiance, surface,
         lights.environment.radiance, lights.environment.lobes, table, radiance,
     )  # fmt: skip
