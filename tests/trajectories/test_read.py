@@ -111,6 +111,22 @@ def test_mounted_cameras_use_the_chasers_attitude(tmp_path, flown):
     assert quaternion.log(turn) == pytest.approx(np.tile([0.0, 0.3, 0.0], (len(back), 1)), abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("axes", "rest"), [("LVLH", np.eye(3)), ("RTN", np.array([[0, 0, -1], [1, 0, 0], [0, -1, 0]]))]
+)
+def test_attitudes_in_orbital_axes_follow_the_crafts_orbit(tmp_path, flown, axes, rest):
+    """`rest` is the LVLH-fixed attitude in those axes, as columns: ahead, against the normal, nadir."""
+    paths = write_all(tmp_path, flown, oem, aem, (".oem", ".aem"))
+    q = quaternion.from_matrix(rest.astype(float))
+    text = paths[2].read_text().replace("REF_FRAME_A = ICRF", f"REF_FRAME_A = {axes}")
+    head, rows = text.split("DATA_START\n")
+    stamps = [row.split()[0] for row in rows.splitlines()[:-1]]
+    data = "\n".join(f"{stamp} {q[1]} {q[2]} {q[3]} {q[0]}" for stamp in stamps)
+    paths[2].write_text(f"{head}DATA_START\n{data}\nDATA_STOP\n")
+    back = read_trajectory(paths[:3])
+    assert np.max(quaternion.angle_between(back.q_eci_target, flown.q_eci_target)) < 1e-9
+
+
 def test_a_wrong_unit_is_found_out_by_earths_radius(tmp_path, flown):
     path = tmp_path / "target.e"
     text = stk_ephemeris(flown, "target")

@@ -11,13 +11,14 @@ from jaxtyping import Float
 from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
-from proxnav.geometry.celestial import EARTH_POLAR_RADIUS
+from proxnav.geometry.celestial import EARTH_POLAR_RADIUS, R_eci_lvlh, R_eci_ric
 from proxnav.geometry.epochs import Instant
 from proxnav.trajectories.assemble import assemble
 from proxnav.trajectories.generators import time_grid
 from proxnav.trajectories.orbit import fly_orbit
 from proxnav.trajectories.readers.ccsds import read_aem, read_oem
 from proxnav.trajectories.readers.config import ReaderConfig
+from proxnav.trajectories.readers.frames import ORBITAL
 from proxnav.trajectories.readers.history import (
     AttitudeHistory,
     History,
@@ -62,13 +63,14 @@ def read_trajectory(
     state_target = sample_orbit(target, epoch, t) if target else fly_orbit(config.target_orbit, t)
     _check_outside_earth(state_target[0], used[0].source)
     _warn_of_notes(attitude_target, attitude_chaser)
+    state_chaser = _chaser_states(relative or chaser, state_target, epoch, t, config)
     return assemble(
         epoch.iso(9),
         t,
         state_target,
-        _chaser_states(relative or chaser, state_target, epoch, t, config),
-        q_eci_target=_attitude(attitude_target, epoch, t, config.q_body_target),
-        q_eci_cam=_attitude(attitude_chaser, epoch, t, config.q_chaser_cam),
+        state_chaser,
+        q_eci_target=_attitude(attitude_target, epoch, t, state_target, config.q_body_target),
+        q_eci_cam=_attitude(attitude_chaser, epoch, t, state_chaser, config.q_chaser_cam),
         pointing=config.pointing,
         source=_names(paths),
     )
@@ -173,11 +175,20 @@ def _chaser_states(
 
 
 def _attitude(
-    history: AttitudeHistory | None, epoch: Instant, t: Times, q_body_model: tuple[float, ...] | None
+    history: AttitudeHistory | None,
+    epoch: Instant,
+    t: Times,
+    state: tuple[np.ndarray, np.ndarray],
+    q_body_model: tuple[float, ...] | None,
 ) -> np.ndarray | None:
+    """q_eci_model; attitudes in orbital axes are completed by the craft's own orbit."""
     if history is None or q_body_model is None:
         return None
-    return quaternion.multiply(sample_attitude(history, epoch, t), quaternion.normalize(np.array(q_body_model)))
+    q = quaternion.multiply(sample_attitude(history, epoch, t), quaternion.normalize(np.array(q_body_model)))
+    if history.frame.kind not in ORBITAL:
+        return q
+    axes = R_eci_ric(*state) if history.frame.kind == "ric" else R_eci_lvlh(*state)
+    return quaternion.multiply(quaternion.from_matrix(axes), q)
 
 
 def _check_outside_earth(r_eci_m: np.ndarray, source: str) -> None:

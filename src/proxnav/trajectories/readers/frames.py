@@ -14,7 +14,7 @@ from proxnav.geometry.celestial import EARTH_RATE, q_eci_ecef, q_eci_mod
 from proxnav.geometry.epochs import Instant
 from proxnav.geometry.types import QuatWxyz, Vector3
 
-FrameKind = Literal["eci", "ecef", "of_date", "of_epoch", "ric"]
+FrameKind = Literal["eci", "ecef", "of_date", "of_epoch", "ric", "lvlh"]
 
 _KINDS: dict[str, FrameKind] = {
     "icrf": "eci", "j2000": "eci", "eme2000": "eci", "gcrf": "eci", "inertial": "eci", "eci": "eci", "gcrs": "eci",
@@ -23,7 +23,12 @@ _KINDS: dict[str, FrameKind] = {
     "teme": "of_date", "temeofdate": "of_date", "meanofdate": "of_date", "trueofdate": "of_date", "tod": "of_date",
     "temeofepoch": "of_epoch", "meanofepoch": "of_epoch", "trueofepoch": "of_epoch",
     "ric": "ric", "rtn": "ric", "rsw": "ric",
+    "lvlh": "lvlh", "vvlh": "lvlh", "lvlhrotating": "lvlh", "vvlhcbearth": "lvlh",
 }  # fmt: skip
+
+
+ORBITAL: tuple[FrameKind, ...] = ("ric", "lvlh")
+"""Axes that follow a craft's own orbit; ric: radial, in-track, cross-track; lvlh: ahead, against the normal, nadir."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +59,7 @@ def q_eci_frame(frame: Frame, epoch: Instant, t: Float[np.ndarray, "n"]) -> Quat
         return q_eci_mod(epoch.iso(9), t)
     if frame.kind == "of_epoch":
         return q_eci_mod((frame.epoch or epoch).iso(9), np.zeros_like(t))
-    raise AssertionError("positions in RIC are turned to ECI with the target's orbit")
+    raise AssertionError("orbital axes are turned to ECI with the craft's orbit, by the reader")
 
 
 def state_to_eci(

@@ -11,7 +11,7 @@ from proxnav.geometry import quaternion
 from proxnav.geometry.epochs import Instant
 from proxnav.geometry.pointing import continuous
 from proxnav.geometry.types import QuatWxyz, Vector3
-from proxnav.trajectories.readers.frames import Frame, q_eci_frame, state_to_eci
+from proxnav.trajectories.readers.frames import ORBITAL, Frame, q_eci_frame, state_to_eci
 from proxnav.trajectories.readers.polynomials import polynomials
 
 Method = Literal["lagrange", "hermite"]
@@ -82,11 +82,13 @@ def sample_orbit(history: OrbitHistory, epoch: Instant, t: Series) -> tuple[Vect
 
 
 def sample_attitude(history: AttitudeHistory, epoch: Instant, t: Series) -> QuatWxyz:
-    """q_eci_body at `t` seconds past `epoch`, (n, 4)."""
+    """q_eci_body at `t` seconds past `epoch`, (n, 4); in orbital axes they stay relative to these."""
     q = np.empty((len(t), 4))
     local = t + (epoch - history.epoch)
     for segment, mask in _by_segment(history, local):
         q[mask] = _interpolate_attitudes(segment, local[mask], history.nodes)
+    if history.frame.kind in ORBITAL:
+        return q
     return quaternion.multiply(q_eci_frame(history.frame, epoch, t), q)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from proxnav.errors import InputError
 from proxnav.geometry.epochs import Instant
 from proxnav.trajectories.readers.dates import from_gmat_mjd, parse_date
-from proxnav.trajectories.readers.frames import Frame, frame_kind
+from proxnav.trajectories.readers.frames import ORBITAL, Frame, frame_kind
 from proxnav.trajectories.readers.text import fail, number, read_lines
 
 _BANNER = re.compile(r"stk\.v\.\d+(\.\d+)*", re.IGNORECASE)
@@ -107,7 +107,7 @@ def reference_frame(file: StkFile, keyword: str, default: str) -> Frame:
         fail(file.path, line, f"CentralBody is {body}, only Earth is supported; export about Earth")
     name = file.text(keyword, default).strip("\"'")
     kind = frame_kind(name)
-    if kind is None or kind == "ric":
+    if kind is None or (kind in ORBITAL and keyword == "coordinatesystem"):
         line = file.keywords[keyword][0]
         fail(file.path, line, f"unknown {keyword} '{name}'; export in ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate")
     if kind == "of_epoch" and f"{keyword}epoch" not in file.keywords:

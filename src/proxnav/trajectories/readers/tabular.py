@@ -10,7 +10,7 @@ from proxnav.geometry.epochs import Instant, parse_iso
 from proxnav.trajectories.readers.columns import Column, understand
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.dates import from_julian_date, parse_date, parse_duration
-from proxnav.trajectories.readers.frames import Frame, frame_kind
+from proxnav.trajectories.readers.frames import ORBITAL, Frame, frame_kind
 from proxnav.trajectories.readers.history import AttitudeHistory, History, OrbitHistory, Segment, rate_note, split
 from proxnav.trajectories.readers.table import Table
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number
@@ -123,7 +123,7 @@ def _frame(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> Frame
     said = [config.frame or "", *table.style.split(), *(c.header.split()[0] for c in mine.values() if c.header.split())]
     for name in said:
         kind = frame_kind(name)
-        if kind is not None and kind not in ("ric", "of_epoch"):
+        if kind is not None and kind not in (*ORBITAL, "of_epoch"):
             return Frame(kind)
     if config.frame:
         raise InputError(f"frame '{config.frame}' is unknown; use ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate")
