@@ -13,6 +13,7 @@ import trimesh
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.rendering.cycles import CyclesConfig
+from proxnav.rendering.cycles.blender import find_blender
 from proxnav.rendering.cycles.process import Worker, WorkerDied
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.targets import Material
@@ -95,3 +96,20 @@ def test_a_silent_worker_is_killed_after_its_time():
     with pytest.raises(WorkerDied, match=r"gave no answer in 0\.5 s"):
         Worker.start([sys.executable, "-c", "import time; time.sleep(60)"], 0.5)
     assert time.monotonic() - began < 20.0
+
+
+@pytest.mark.blender
+@pytest.mark.usefixtures("blender")
+def test_a_blender_executable_that_greets_first_serves_as_well(ball, scene, tmp_path, monkeypatch):
+    python = find_blender()
+    if "python" not in python.name:
+        pytest.skip("a Blender executable is what the other tests run under")
+    with CyclesRenderer(ball, CyclesConfig(samples=4)) as renderer:
+        expected = renderer.render(scene)
+    greeting = 'echo "Blender 4.5.0"; for script; do :; done'  # the script is the last argument
+    executable = tmp_path / "blender"
+    executable.write_text(f'#!/bin/sh\n{greeting}; exec "{python}" "$script"\n')
+    executable.chmod(0o755)
+    monkeypatch.setenv("PROXNAV_BLENDER", str(executable))
+    with CyclesRenderer(ball, CyclesConfig(samples=4)) as renderer:
+        assert renderer.render(scene).radiance.tobytes() == expected.radiance.tobytes()
