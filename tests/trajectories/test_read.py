@@ -135,6 +135,16 @@ def test_a_wrong_unit_is_found_out_by_earths_radius(tmp_path, flown):
         read_trajectory([path])
 
 
+def test_states_that_are_no_orbit_are_refused(tmp_path):
+    path = tmp_path / "still.csv"
+    path.write_text("Time [s],x [km],y [km],z [km],vx [km/s],vy [km/s],vz [km/s]\n0,7000,0,0,0,0,0\n9,7000,0,0,0,0,0\n")
+    with pytest.raises(InputError, match="does not move around Earth"):
+        read_trajectory([path], ReaderConfig(frame="J2000"))
+    path.write_text(path.read_text().replace("7000", "7e12"))
+    with pytest.raises(InputError, match="beyond any orbit about Earth"):
+        read_trajectory([path], ReaderConfig(frame="J2000"))
+
+
 def test_files_without_common_time_or_orbit_are_refused(tmp_path, flown):
     paths = write_all(tmp_path, flown, stk_ephemeris, stk_attitude, (".e", ".a"))
     paths[1].write_text(paths[1].read_text().replace("2024", "2025"))

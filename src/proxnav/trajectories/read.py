@@ -37,6 +37,9 @@ from proxnav.trajectories.relative_motion import eci_from_ric
 Kind = TypeVar("Kind", OrbitHistory, AttitudeHistory)
 Times = Float[np.ndarray, "n"]
 
+_FARTHEST_M = 2e9  # beyond Earth's sphere of influence
+_SLOWEST_MPS = 1e-3
+
 
 def read_trajectory(
     paths: Sequence[str | Path], config: ReaderConfig | None = None, t: Times | None = None
@@ -61,7 +64,7 @@ def read_trajectory(
     epoch = used[0].epoch
     t = _instants(used, epoch, config) if t is None else np.asarray(t, dtype=np.float64)
     state_target = sample_orbit(target, epoch, t) if target else fly_orbit(config.target_orbit, t)
-    _check_outside_earth(state_target[0], used[0].source)
+    _check_orbit(*state_target, used[0].source)
     _warn_of_notes(attitude_target, attitude_chaser)
     state_chaser = _chaser_states(relative or chaser, state_target, epoch, t, config)
     return assemble(
@@ -191,13 +194,19 @@ def _attitude(
     return quaternion.multiply(quaternion.from_matrix(axes), q)
 
 
-def _check_outside_earth(r_eci_m: np.ndarray, source: str) -> None:
-    least = float(np.linalg.norm(r_eci_m, axis=1).min())
-    if least < 0.98 * EARTH_POLAR_RADIUS:
+def _check_orbit(r_eci_m: np.ndarray, v_eci_mps: np.ndarray, source: str) -> None:
+    """Refuses what no unit or frame makes an orbit about Earth."""
+    radius = np.linalg.norm(r_eci_m, axis=1)
+    least, most = float(radius.min()), float(radius.max())
+    if not (least > 0.98 * EARTH_POLAR_RADIUS and most < _FARTHEST_M):
+        where = "inside Earth" if least < EARTH_POLAR_RADIUS else "beyond any orbit about Earth"
         raise InputError(
-            f"{source}: the orbit comes to {least / 1e3:.6g} km from Earth's centre, which is inside Earth: "
+            f"{source}: the orbit runs from {least / 1e3:.6g} km to {most / 1e3:.6g} km from Earth's centre, {where}: "
             "check the unit of length (DistanceUnit, column headers or position_unit) and the frame"
         )
+    areal = np.linalg.norm(np.cross(r_eci_m, v_eci_mps), axis=1) / radius
+    if not (np.isfinite(areal).all() and areal.min() > _SLOWEST_MPS):
+        raise InputError(f"{source}: the target does not move around Earth; check the velocities and the frame")
 
 
 def _warn_of_notes(*attitudes: AttitudeHistory | None) -> None:
