@@ -101,7 +101,7 @@ class Camera:
         """Whether pixels (..., 2) lie in the image; False for NaN."""
         return np.asarray(((pixels >= 0.0) & (pixels <= (self.width, self.height))).all(axis=-1))
 
-    def cropped(self, x: float, y: float, width: int, height: int) -> "Camera":
+    def cropped(self, x: float | int, y: float | int, width: int, height: int) -> "Camera":
         """The camera of the window whose upper left corner is (x, y) [px]."""
         return replace(self, width=width, height=height, cx=self.cx - x, cy=self.cy - y)
 

@@ -1,0 +1,138 @@
+"""The stages together: scenes to a data set, whichever process draws and however often it is killed."""
+
+import hashlib
+import random
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from proxnav import presets
+from proxnav.crops import CropConfig, CropJob, WholeFrameJob, sample_source
+from proxnav.datasets.dataset import Dataset
+from proxnav.frames import FrameConfig
+from proxnav.pipeline import draw_scenes, follow, judge, observable, render, truth_of
+
+RAYCAST = FrameConfig("raycast")
+SIDE = 96
+
+
+def scenes(frames, seed=3):
+    return draw_scenes(presets.preset("observation-10-100m"), frames, seed, SIDE)
+
+
+def fingerprint(folder: Path) -> dict[str, str]:
+    """Hash of every file, by its path in the folder."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.fixture(scope="module")
+def six(tmp_path_factory) -> Dataset:
+    """Six frames drawn without interruption by one process."""
+    return render(scenes(6), RAYCAST, tmp_path_factory.mktemp("sets") / "six", 1)
+
+
+def test_the_first_scenes_of_a_longer_set_are_those_of_a_shorter_one():
+    assert scenes(3) == scenes(6)[:3]
+
+
+def test_a_data_set_shows_the_target_where_its_labels_say(six):
+    for index, label in enumerate(six.labels):
+        mask = six.mask(index)
+        visible = label.keypoints_px[label.visibility == 2]
+        column, row = np.floor(visible).astype(int).T
+        near = [mask[max(r - 3, 0) : r + 4, max(c - 3, 0) : c + 4].any() for r, c in zip(row, column, strict=True)]
+        assert np.mean(near) > 0.9  # the rest are thin things seen edge-on
+
+
+def test_two_processes_draw_the_same_bytes_as_one(six, tmp_path):
+    render(scenes(6), RAYCAST, tmp_path / "two", 2)
+    assert fingerprint(tmp_path / "two") == fingerprint(six.folder)
+
+
+def test_a_frame_is_drawn_again_from_its_line_alone(six, tmp_path):
+    again = list(six.scenes())[4]
+    render([again], RAYCAST, tmp_path / "one", 1)
+    name = f"images/{again.filename}"
+    assert fingerprint(tmp_path / "one")[name] == fingerprint(six.folder)[name]
+
+
+@pytest.mark.slow
+def test_a_render_killed_twenty_times_ends_like_one_that_was_not(tmp_path):
+    command = [sys.executable, "-m", "proxnav.cli", "render", "--renderer", "raycast", "--frames", "40", "--size", "64"]
+    subprocess.run([*command, "--out", str(tmp_path / "whole")], check=True, capture_output=True)
+    rng, killed = random.Random(5), 0
+    for _ in range(200):
+        run = subprocess.Popen([*command, "--out", str(tmp_path / "killed")], stderr=subprocess.DEVNULL)
+        # Wait until frames are being written, then a moment that may fall anywhere within one.
+        before = len(list((tmp_path / "killed").rglob("*.json")))
+        while run.poll() is None and len(list((tmp_path / "killed").rglob("*.json"))) <= before and killed < 20:
+            time.sleep(0.01)
+        time.sleep(rng.uniform(0.0, 0.15))
+        if killed < 20 and run.poll() is None:
+            run.kill()
+            killed += 1
+        run.wait()
+        if (tmp_path / "killed" / "annotations.json").exists() and run.returncode == 0:
+            break
+    assert killed >= 10
+    assert fingerprint(tmp_path / "killed") == fingerprint(tmp_path / "whole")
+
+
+def test_a_trajectory_is_followed_where_the_lit_side_shows():
+    preset = presets.preset("spiral-10-100m")
+    trajectory = presets.flight(preset.trajectory)
+    usable = observable(trajectory, preset.scenes.sun.max_phase_rad)
+    assert 0.1 < usable.mean() < 0.9
+    for scene in follow(trajectory, preset, 5, seed=0, size=SIDE):
+        to_camera = scene.T_cam_target.inverse().t_m
+        assert scene.sun.visible_fraction > 0.5
+        assert np.dot(scene.sun.direction_target, to_camera) > -1e-6
+
+
+def test_perfect_estimates_have_no_error(six):
+    judgement = judge([replace(record, status="ok") for record in truth_of(six)], six)
+    assert judgement.summary.poses == 6
+    assert judgement.summary.mean_e_c < 1e-9
+
+
+CROPS = CropConfig(side=64, scenes=presets.TRAINING, seed=11)
+
+
+def test_a_training_crop_is_a_function_of_its_number():
+    first, again = CropJob(CROPS)()(5), CropJob(CROPS)()(5)
+    np.testing.assert_array_equal(first.image, again.image)
+    np.testing.assert_array_equal(first.keypoints_px, again.keypoints_px)
+
+
+def test_a_training_crop_holds_the_target():
+    make = CropJob(CROPS)()
+    for index in range(4):
+        sample = make(index)
+        assert sample.image.shape == (64, 64)
+        assert sample.has_target
+        assert sample.mask is not None
+        assert sample.mask.mean() > 0.01
+
+
+def test_a_share_of_whole_frames_is_empty():
+    make = WholeFrameJob(replace(CROPS, side=64), empty_share=0.5)()
+    shown = [make(index).has_target for index in range(8)]
+    assert True in shown
+    assert False in shown
+
+
+def test_a_stream_of_samples_can_be_entered_anywhere():
+    source = sample_source(CropJob(CROPS), workers=1, repeats=2, block=4)
+    from itertools import islice
+
+    whole = [sample.image for sample in islice(source(0, 1), 12)]
+    late = [sample.image for sample in islice(source(5, 1), 5)]
+    for image, same in zip(late, whole[5:10], strict=True):
+        np.testing.assert_array_equal(image, same)
+    assert not np.array_equal(whole[0], whole[8])  # after both passes comes another block
