@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import MU_EARTH, R_eci_lvlh
+from proxnav.geometry.relative_motion import cw_transition, eci_from_ric, ric_from_eci
 from proxnav.trajectories import (
     OBSERVATION_10_100,
     OBSERVATION_10_100_STRICT,
@@ -28,7 +29,6 @@ from proxnav.trajectories import (
     walking_safety_ellipse,
 )
 from proxnav.trajectories.orbit import fly_orbit
-from proxnav.trajectories.relative_motion import cw_transition, eci_from_ric, ric_from_eci
 from proxnav.trajectories.safety_ellipse import ellipse_state, radial_centre_m
 
 ORBIT = OrbitConfig()

@@ -13,10 +13,10 @@ from proxnav.datasets.records import Trajectory
 from proxnav.datasets.records.scene import Triple
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import unit
+from proxnav.geometry.relative_motion import eci_from_ric
 from proxnav.geometry.types import Vector3
 from proxnav.trajectories.assemble import PointingConfig, assemble
 from proxnav.trajectories.orbit import OrbitConfig, fly_orbit
-from proxnav.trajectories.relative_motion import eci_from_ric
 
 DEFAULT_EPOCH = "2024-11-01T00:00:00Z"
 

@@ -13,6 +13,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import EARTH_POLAR_RADIUS, R_eci_lvlh, R_eci_ric
 from proxnav.geometry.epochs import Instant
+from proxnav.geometry.relative_motion import eci_from_ric
 from proxnav.trajectories.assemble import assemble
 from proxnav.trajectories.generators import time_grid
 from proxnav.trajectories.orbit import fly_orbit
@@ -32,7 +33,6 @@ from proxnav.trajectories.readers.stk_ephemeris import read_stk_ephemeris
 from proxnav.trajectories.readers.table import is_report, read_csv, read_report
 from proxnav.trajectories.readers.tabular import histories
 from proxnav.trajectories.readers.text import read_lines
-from proxnav.trajectories.relative_motion import eci_from_ric
 
 Kind = TypeVar("Kind", OrbitHistory, AttitudeHistory)
 Times = Float[np.ndarray, "n"]
