@@ -160,7 +160,7 @@ def _shade_reflected(corners, w, ray, part, mean, E, seen, sun, irradiance, sky,
     if nv < 0.0:
         nx, ny, nz, nv = -nx, -ny, -nz, -nv
     nv = max(nv, 1e-2)
-    alpha = min(max(np.sqrt(mean[7] + 2.0 * mean[10]), 1e-2), 1.0)
+    alpha = min(max(np.sqrt(mean[7] * mean[7] + 2.0 * mean[10]), 1e-2), 1.0)
     F = fresnel(nv, part[4])
     x, y, z = ray[0] + 2.0 * nv * nx, ray[1] + 2.0 * nv * ny, ray[2] + 2.0 * nv * nz
     r = np.sqrt(x * x + y * y + z * z)

@@ -87,7 +87,7 @@ def describe(
         s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8] = nx, ny, nz, gx, gy, gz, vx, vy, vz
         s[9], s[10], s[11], s[12] = m[0], m[1], m[2], m[3]
         s[16], s[17], s[18] = m[4], m[5], m[6]
-        alpha = max(np.sqrt(m[7] + 2.0 * m[10]), MIN_ALPHA)
+        alpha = max(np.sqrt(m[7] * m[7] + 2.0 * m[10]), MIN_ALPHA)
         s[13] = min(alpha, 1.0)
         F = fresnel(nx * vx + ny * vy + nz * vz, p[4])
         s[14] = F

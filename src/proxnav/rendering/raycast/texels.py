@@ -1,6 +1,6 @@
 """Part textures as one table of texels with all their mip levels, prefiltered so that one lookup stands for a pixel.
 
-Colours, metallic and alpha^2 average linearly; the colours of matt and of metal are kept apart, since bright metal
+Colours, metallic and alpha average linearly; the colours of matt and of metal are kept apart, since bright metal
 lines on dark cells would average to grey cells otherwise. Normal maps are kept as mean slopes and their second moment:
 what a level averages away comes back as roughness (M. Olano, D. Baker, "LEAN mapping", I3D 2010).
 """
@@ -17,7 +17,7 @@ from numba import njit
 from proxnav.targets import Material
 
 CHANNELS = 12
-"""Colour of the matt share (3), metallic, colour of the metal share (3), alpha^2, slope along u, slope along v, half of
+"""Colour of the matt share (3), metallic, colour of the metal share (3), alpha, slope along u, slope along v, half of
 the slopes' second moment, unused."""
 
 
@@ -85,7 +85,7 @@ def _pack(texture: SurfaceTexture) -> np.ndarray:
     packed[..., :3] = (1.0 - metallic) * texture.albedo
     packed[..., 3:4] = metallic
     packed[..., 4:7] = metallic * texture.albedo
-    packed[..., 7] = np.asarray(texture.roughness) ** 4
+    packed[..., 7] = np.asarray(texture.roughness) ** 2
     if texture.normal is not None:
         slope = texture.normal[..., :2] / np.maximum(texture.normal[..., 2:], 0.1)
         if slope.shape[:2] != packed.shape[:2]:
