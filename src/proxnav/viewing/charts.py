@@ -31,7 +31,7 @@ class Axis:
     def ticks(self) -> list[float]:
         """Round values inside the scale."""
         if self.log:
-            return [10.0**k for k in range(round(np.log10(self.low)), int(np.log10(self.high) + 1e-9) + 1)]
+            return [10.0**k for k in range(round(np.log10(self.low)), int(np.floor(np.log10(self.high) + 1e-9)) + 1)]
         step = _round_step((self.high - self.low) / 6.0)
         first = np.ceil(self.low / step - 1e-9)
         return [float(k * step) + 0.0 for k in np.arange(first, self.high / step + 1e-9)]
