@@ -90,6 +90,18 @@ class WholeFrameJob:
         return make
 
 
+@dataclass(frozen=True)
+class MixedJob:
+    """For a detector that sees whole frames but learns faster from close views: crops and whole frames in turn."""
+
+    crops: CropConfig
+    frame_side: int
+
+    def __call__(self) -> Callable[[int], TrainingSample]:
+        near, whole = CropJob(self.crops)(), WholeFrameJob(replace(self.crops, side=self.frame_side))()
+        return lambda index: near(index) if index % 2 else whole(index)
+
+
 _BEHIND_M = (0.0, 0.0, -50.0)  # behind the camera, a target leaves the picture to the sky
 
 

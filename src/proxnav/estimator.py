@@ -11,6 +11,9 @@ from proxnav.datasets.files import read_json, write_json
 from proxnav.datasets.records import Keypoints, PoseResult
 from proxnav.detection.heatmap.detector import HeatmapDetector
 from proxnav.detection.images import check_size
+from proxnav.detection.keypoint_rcnn.decode import Calibration
+from proxnav.detection.keypoint_rcnn.detect import DetectConfig
+from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.sessions import Backend, open_session
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
@@ -111,8 +114,18 @@ def _heatmap(folder: Path, card: dict[str, Any], backend: Backend, threads: int)
     )
 
 
+def _keypoint_rcnn(
+    folder: Path, card: dict[str, Any], backend: Backend, threads: int
+) -> Callable[[np.ndarray], Keypoints]:
+    settings = card["settings"]
+    config = DetectConfig(settings["min_score"], settings["looks"], Calibration(**settings["calibration"]))
+    network = load_onnx(folder / "keypoint-rcnn.onnx", threads)
+    return lambda image: network.predict(image, config)
+
+
 _DETECTORS: dict[str, Callable[[Path, dict[str, Any], Backend, int], Callable[[np.ndarray], Keypoints]]] = {
     "heatmap": _heatmap,
+    "keypoint-rcnn": _keypoint_rcnn,
 }
 
 
