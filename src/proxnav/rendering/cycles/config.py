@@ -18,7 +18,7 @@ class CyclesConfig:
     """auto uses the GPUs that Blender finds; frames of different devices differ in their noise."""
     threads: int = 0
     """CPU threads; 0 takes all."""
-    indirect_clamp: float = 3.0
+    indirect_clamp: float = 10.0
     """Largest radiance of one path after its first reflection, as a multiple of a sunlit white plate; 0 is no limit.
 
     It removes the fireflies that the Sun's image in curved foil throws on its neighbours, and their energy with them.

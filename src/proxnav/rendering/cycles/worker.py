@@ -25,9 +25,6 @@ MAGIC = b"\nPROXNAV-CYCLES-1\n"  # what Blender prints before this line is not o
 CENTRE_FILTER_PX = 0.01  # the narrowest filter Cycles takes: samples within 0.005 px of the pixel's centre
 
 
-# --- wire -------------------------------------------------------------------------------------------------------------
-
-
 def claim_stdout():
     """The reply channel; everything that Blender prints goes to stderr from now on."""
     reply = os.fdopen(os.dup(1), "wb")
@@ -59,9 +56,6 @@ def write_message(stream, header, arrays):
     for array in arrays.values():
         stream.write(np.ascontiguousarray(array).data)
     stream.flush()
-
-
-# --- set-up -----------------------------------------------------------------------------------------------------------
 
 
 def configure(header, arrays):
@@ -135,9 +129,6 @@ def make_world(scene):
     scene.world = bpy.data.worlds.new("world")
     scene.world.use_nodes = True
     scene.world.cycles.sampling_method = "MANUAL"
-
-
-# --- target -----------------------------------------------------------------------------------------------------------
 
 
 def load(header, arrays):
@@ -274,9 +265,6 @@ def make_image(name, pixels):
     return image
 
 
-# --- light ------------------------------------------------------------------------------------------------------------
-
-
 def set_sun(sun):
     """The Sun's direction (unit, target axes), irradiance [W/m^2] in three bands, and angular diameter [rad]."""
     lamp = bpy.data.objects["sun"]
@@ -302,9 +290,6 @@ def set_world(environment):
     output = tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(background.outputs[0], output.inputs["Surface"])
     bpy.data.batch_remove(old)  # last: Cycles tells images apart by their addresses (see `forget`)
-
-
-# --- frame ------------------------------------------------------------------------------------------------------------
 
 
 def set_camera(scene, view):
@@ -385,9 +370,6 @@ def channel_names(data, position):
         position += 16  # pixel type, linearity, sampling
         names.append(name)
     return names
-
-
-# --- loop -------------------------------------------------------------------------------------------------------------
 
 
 def memory_mb():
