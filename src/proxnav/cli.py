@@ -9,8 +9,11 @@ COMMANDS = {
     "train": "a keypoint detector, from a data set or rendered on line",
     "estimate": "images or a data set to poses.json",
     "solve": "keypoints of your own detector to poses.json",
+    "simulate": "sensor records along a trajectory: camera, gyro, star tracker, GNSS",
+    "navigate": "the filter over records: navigation solution with covariance",
     "evaluate": "poses.json against truth: the study's Table 1 and ours",
     "target": "look at a target: keypoints, extents, preview",
+    "convert": "data sets, poses and trajectories between formats",
     "benchmark": "measured tables beside their references",
     "setup": "install what proxnav cannot bring itself: blender",
 }

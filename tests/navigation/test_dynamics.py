@@ -119,7 +119,7 @@ def test_passive_safety_is_the_least_distance_flown_across_the_flight() -> None:
 @given(st.lists(st.floats(-1e-5, 1e-5), min_size=4, max_size=4))
 def test_passive_safety_in_closed_form_agrees_with_the_search(parts: list[float]) -> None:
     roe = RelativeElements(0.0, 0.0, *parts)
-    assert abs(passive_safety_m(roe, A) - passive_safety_closed_m(roe, A)) < 0.05  # m, the search's step
+    assert abs(passive_safety_m(roe, A) - passive_safety_closed_m(roe, A)) < 0.15  # m, the search's step
 
 
 def test_parallel_vectors_are_safe_and_perpendicular_ones_are_not() -> None:

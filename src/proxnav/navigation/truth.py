@@ -124,17 +124,6 @@ def simulate_truth(reference: Trajectory, config: TruthConfig, rng: np.random.Ge
     )  # fmt: skip
 
 
-def as_trajectory(truth: Truth, reference: Trajectory, every: int) -> Trajectory:
-    """Every so many-th truth sample as a trajectory, with Sun and shadow of the reference."""
-    k = np.arange(0, len(truth), every)
-    nearest = np.clip(np.searchsorted(reference.t, truth.t[k]), 0, len(reference) - 1)
-    return Trajectory(
-        truth.epoch_utc, truth.t[k], truth.r_eci_target_m[k], truth.v_eci_target_mps[k], truth.q_eci_target[k],
-        truth.r_eci_chaser_m[k], truth.v_eci_chaser_mps[k], truth.q_eci_cam[k], reference.sun_eci[nearest],
-        reference.sun_visible[nearest], "simulated truth",
-    )  # fmt: skip
-
-
 def _todays_forces(config: TruthConfig, rng: np.random.Generator) -> ForceConfig:
     factor = float(np.exp(config.density_sigma * rng.normal()))
     return replace(config.forces, density_kg_m3=factor * config.forces.density_kg_m3)

@@ -1,0 +1,168 @@
+"""What navigation takes and gives: readings of each sensor as columns, and the navigation solution.
+
+Every reading has `t`, when it was taken, and where it can arrive late `received`, when the filter got it; both are
+seconds since the run's epoch. Rows are in the order of arrival.
+"""
+
+from dataclasses import dataclass, fields
+from typing import Literal
+
+import numpy as np
+
+from proxnav.geometry.arrays import frozen
+
+NavStatus = Literal["waiting", "tracking", "coasting", "lost"]
+"""waiting: no pose yet; tracking: camera accepted lately; coasting: predicted; lost: measurements contradict it."""
+
+NAV_STATUSES: tuple[NavStatus, ...] = ("waiting", "tracking", "coasting", "lost")
+
+NAV_ERRORS = ("r", "v", "theta", "omega")
+"""Blocks of three of the solution's covariance: RIC position and velocity, attitude and rate in target axes."""
+
+
+def _freeze(record: object, n: int, shapes: dict[str, tuple[int | None, ...]]) -> None:
+    for f in fields(record):  # type: ignore[arg-type]
+        if f.name in shapes:
+            value = frozen(getattr(record, f.name), (n, *shapes[f.name]), f.name)
+            object.__setattr__(record, f.name, value)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EphemerisData:
+    """Where the target is, from its operator or its own receiver: defines RIC; errors of 100 m are harmless."""
+
+    t: np.ndarray
+    r_eci_m: np.ndarray
+    v_eci_mps: np.ndarray
+
+    def __post_init__(self) -> None:
+        _freeze(self, len(self.t), {"t": (), "r_eci_m": (3,), "v_eci_mps": (3,)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GyroData:
+    """Mean inertial rate over the step that ends at `t`, camera axes [rad/s]."""
+
+    t: np.ndarray
+    rate: np.ndarray
+
+    def __post_init__(self) -> None:
+        _freeze(self, len(self.t), {"t": (), "rate": (3,)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AccelerometerData:
+    """Mean specific force over the step that ends at `t`, camera axes [m/s^2]."""
+
+    t: np.ndarray
+    specific_force: np.ndarray
+
+    def __post_init__(self) -> None:
+        _freeze(self, len(self.t), {"t": (), "specific_force": (3,)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GnssData:
+    """Chaser's antenna relative to the target's antenna, ECI axes [m, m/s], with standard deviations per axis."""
+
+    t: np.ndarray
+    received: np.ndarray
+    position_m: np.ndarray
+    velocity_mps: np.ndarray
+    sigma_position_m: np.ndarray
+    sigma_velocity_mps: np.ndarray
+
+    def __post_init__(self) -> None:
+        shapes = {"t": (), "received": (), "position_m": (3,), "velocity_mps": (3,)}
+        _freeze(self, len(self.t), shapes | {"sigma_position_m": (), "sigma_velocity_mps": ()})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StarTrackerData:
+    """Attitude of the camera, with standard deviations about the camera's axes [rad]."""
+
+    t: np.ndarray
+    received: np.ndarray
+    q_eci_cam: np.ndarray
+    sigma_rad: np.ndarray
+
+    def __post_init__(self) -> None:
+        _freeze(self, len(self.t), {"t": (), "received": (), "q_eci_cam": (4,), "sigma_rad": (3,)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeypointData:
+    """Keypoints of each frame in the order of the target's list; a point not found is NaN."""
+
+    t: np.ndarray
+    """(n,) middle of the exposure."""
+    received: np.ndarray
+    pixels: np.ndarray
+    """(n, k, 2) [px], corner origin."""
+    covariances_px2: np.ndarray
+    """(n, k, 2, 2)."""
+
+    def __post_init__(self) -> None:
+        k = self.pixels.shape[1] if self.pixels.ndim > 1 else 0
+        _freeze(self, len(self.t), {"t": (), "received": (), "pixels": (k, 2), "covariances_px2": (k, 2, 2)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseData:
+    """T_cam_target of each frame with the covariance of (dt, dr) in camera axes, as PoseResult has it."""
+
+    t: np.ndarray
+    received: np.ndarray
+    q_cam_target: np.ndarray
+    t_cam_target_m: np.ndarray
+    covariance: np.ndarray
+    """(n, 6, 6)."""
+
+    def __post_init__(self) -> None:
+        shapes = {"t": (), "received": (), "q_cam_target": (4,), "t_cam_target_m": (3,), "covariance": (6, 6)}
+        _freeze(self, len(self.t), shapes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorRecords:
+    """All that a run's sensors said; what the craft does not carry is None."""
+
+    epoch_utc: str
+    ephemeris: EphemerisData
+    gyro: GyroData | None = None
+    accelerometer: AccelerometerData | None = None
+    gnss: GnssData | None = None
+    star_tracker: StarTrackerData | None = None
+    keypoints: KeypointData | None = None
+    poses: PoseData | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NavState:
+    """What the filter believes at one instant."""
+
+    t: float
+    status: NavStatus
+    r_ric_m: np.ndarray
+    """(3,) camera relative to the target's origin in the target's RIC frame."""
+    v_ric_mps: np.ndarray
+    """(3,) its rate in the rotating RIC frame."""
+    q_cam_target: np.ndarray
+    """(4,) attitude of the target in the camera frame."""
+    t_cam_target_m: np.ndarray
+    """(3,) the target's origin in the camera frame."""
+    rate_target: np.ndarray
+    """(3,) inertial rate of the target, target axes [rad/s]."""
+    gyro_bias: np.ndarray
+    """(3,) [rad/s], camera axes."""
+    gnss_bias_m: np.ndarray
+    """(3,) ECI axes."""
+    covariance: np.ndarray
+    """(12, 12) of the errors in the order of NAV_ERRORS; attitude: q_true = q * exp(theta / 2), target axes."""
+    pose_covariance: np.ndarray
+    """(6, 6) of (dt, dr) of T_cam_target in camera axes, as PoseResult has it."""
+
+    def __post_init__(self) -> None:
+        for f in fields(self)[2:]:
+            shape = {"q_cam_target": (4,), "covariance": (12, 12), "pose_covariance": (6, 6)}.get(f.name, (3,))
+            object.__setattr__(self, f.name, frozen(getattr(self, f.name), shape, f.name))
