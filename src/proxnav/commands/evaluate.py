@@ -15,9 +15,9 @@ class EvaluateConfig:
     """Compares poses with the truth and prints the study's Table 1 beside these, then the errors by range."""
 
     estimates: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="ESTIMATES")]
-    """poses.json of `proxnav estimate` or `proxnav solve`, or any file of SPEED or SPEED+ records."""
+    """poses.json of `proxnav estimate` or `proxnav solve`, or any other format that `proxnav convert` reads."""
     truth: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="TRUTH")]
-    """Labels in the same form; images that have no estimate are counted as frames without a pose."""
+    """A data set folder, or labels in any such form; images without an estimate are counted as frames without a pose."""
     json: bool = False
     """Print one JSON object instead of the tables."""
 
@@ -29,14 +29,16 @@ def main(argv: list[str]) -> None:
 
 def run(config: EvaluateConfig) -> None:
     """Reads, compares, prints."""
-    from proxnav.datasets.speed import read_poses
+    from proxnav.datasets.formats import read_pose_records
+    from proxnav.datasets.formats.same_images import named_as
     from proxnav.evaluation.consistency import consistency
     from proxnav.evaluation.metrics import metrics
     from proxnav.evaluation.pairing import pair
     from proxnav.evaluation.summary import by_range, summarise_frames
     from proxnav.evaluation.table import consistency_line, range_table, table1
 
-    frames = pair(read_poses(config.estimates), read_poses(config.truth))
+    estimates, truth = read_pose_records(config.estimates), read_pose_records(config.truth)
+    frames = pair(named_as(truth, estimates), truth)
     summary, found = summarise_frames(frames), consistency(frames)
     if config.json:
         print(json.dumps(metrics(summary, found), indent=1))

@@ -18,8 +18,8 @@ from proxnav.geometry import Camera, Pose, quaternion
 VERSION = 1
 
 
-def annotation(label: FrameLabel, image_id: int, mask: Bool[np.ndarray, "height width"]) -> dict[str, Any]:
-    """One COCO annotation."""
+def annotation(label: FrameLabel, image_id: int, mask: Bool[np.ndarray, "height width"] | None) -> dict[str, Any]:
+    """One COCO annotation; without a mask the area is the box's and there is no segmentation."""
     x0, y0, x1, y1 = (float(value) for value in np.nan_to_num(label.box_xyxy))
     uv = np.nan_to_num(label.keypoints_px)
     T = label.T_cam_target
@@ -29,8 +29,8 @@ def annotation(label: FrameLabel, image_id: int, mask: Bool[np.ndarray, "height 
         "category_id": 1,
         "iscrowd": 0,
         "bbox": [x0, y0, x1 - x0, y1 - y0],
-        "area": int(mask.sum()),
-        "segmentation": _run_lengths(mask),
+        "area": (x1 - x0) * (y1 - y0) if mask is None else int(mask.sum()),
+        "segmentation": [] if mask is None else _run_lengths(mask),
         "num_keypoints": int((label.visibility > 0).sum()),
         "keypoints": [v for (x, y), flag in zip(uv, label.visibility, strict=True) for v in (x, y, int(flag))],
         "visibility": label.visibility.tolist(),
@@ -73,7 +73,7 @@ def _label(entry: Any, filename: str, n_keypoints: int, where: str) -> FrameLabe
         uvf = np.array(entry["keypoints"], dtype=np.float64)
         x, y, w, h = (float(value) for value in entry["bbox"])
         T = Pose.from_wxyz("cam", "target", entry["q_cam_target"], entry["t_cam_target"])
-    except (TypeError, KeyError, ValueError) as error:
+    except (TypeError, KeyError, ValueError, OverflowError) as error:
         raise InputError(f"{where}: annotation of '{filename}' is malformed ({error})") from None
     if uvf.shape != (3 * n_keypoints,):
         raise InputError(

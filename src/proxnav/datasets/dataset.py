@@ -80,8 +80,9 @@ class Dataset:
         return read_image(inside(self.folder / "images", self.labels[index].filename))
 
     def mask(self, index: int) -> np.ndarray:
-        """(h, w) bool, where the target is."""
-        return read_image(inside(self.folder / "masks", self.labels[index].filename)) > 127
+        """(h, w) bool, where the target is; masks are PNG whatever the images are."""
+        name = Path(self.labels[index].filename).with_suffix(".png")
+        return read_image(inside(self.folder / "masks", str(name))) > 127
 
 
 def read_image(path: Path) -> np.ndarray:

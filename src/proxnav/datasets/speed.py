@@ -89,7 +89,7 @@ def _covariance(entry: Mapping[str, Any], where: str) -> np.ndarray | None:
 def _numbers(value: Any, count: int, where: str, key: str) -> np.ndarray:
     try:
         numbers = np.array(value, dtype=np.float64).ravel()
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = np.array([])
     if numbers.size != count or not np.isfinite(numbers).all():
         raise InputError(f"{where}: {key} needs {count} finite numbers, found {str(value)[:60]}")

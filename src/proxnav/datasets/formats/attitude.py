@@ -1,0 +1,96 @@
+"""Quaternions of files: their order is the format's, and where keypoints or boxes can tell, it is checked."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.datasets.formats.labels import LabelRecord, Labels
+from proxnav.datasets.records import NOT_IN_IMAGE
+from proxnav.errors import InputError
+from proxnav.geometry import Camera, Pose, quaternion
+
+Order = Literal["wxyz", "xyzw"]
+
+_FRAMES = 50  # more say the same
+_CLEARLY = 0.25  # another order must leave less than this part of the residual to be called the right one
+_GOOD = 0.02  # residual that needs no explanation, in parts of the target's size in the image
+
+
+@dataclass(frozen=True, slots=True)
+class _Reading:
+    """One way to understand four numbers that were read as wxyz."""
+
+    name: str
+    advice: str
+
+    def __call__(self, q: Float[np.ndarray, "wxyz=4"], order: Order) -> Float[np.ndarray, "wxyz=4"]:
+        if self.name == "other order":
+            return np.roll(q, 1) if order == "wxyz" else np.roll(q, -1)
+        return quaternion.conjugate(q)
+
+
+def pose(q: Float[np.ndarray, "4"], t_m: Float[np.ndarray, "3"], order: Order, where: str) -> Pose:
+    """T_cam_target of four numbers in `order` and a position [m]; InputError unless the quaternion is unit."""
+    norm = np.linalg.norm(q)
+    if not abs(norm - 1.0) < 1e-4:
+        raise InputError(f"{where}: expected a unit quaternion ({order}), found norm {norm:.6g}")
+    return Pose.from_wxyz("cam", "target", np.roll(q, 1) if order == "xyzw" else q, t_m)
+
+
+def check_order(labels: Labels, order: Order, source: str) -> None:
+    """InputError where the keypoints or boxes fit another order or direction of the quaternions, and do not fit this.
+
+    The residual is the distance from the projected points to the labelled ones, in parts of the target's size.
+    """
+    camera, points_m = labels.camera, labels.keypoints_m
+    usable = [r for r in labels.records if r.T_cam_target is not None and _measured(r, points_m)][:_FRAMES]
+    if camera is None or points_m is None or not usable:
+        return
+    now = _residual(usable, points_m, camera, None, order)
+    other = "xyzw" if order == "wxyz" else "wxyz"
+    readings = (
+        _Reading("other order", f"as {other}: give --quaternion-order {other}"),
+        _Reading("inverse", "inverted: they map camera to target; invert them before use"),
+    )
+    left = [_residual(usable, points_m, camera, reading, order) for reading in readings]
+    best = int(np.argmin(left))
+    if now > _GOOD and left[best] < _CLEARLY * now:
+        raise InputError(
+            f"{source}: read as {order}, the quaternions miss the labelled points by {now:.0%} of the target's size; "
+            f"they fit to {left[best]:.1%} when read {readings[best].advice}"
+        )
+
+
+def _measured(record: LabelRecord, points_m: np.ndarray | None) -> bool:
+    """Whether the file itself says where the target is in the image."""
+    if record.keypoints_px is not None and points_m is not None and len(record.keypoints_px) == len(points_m):
+        return True
+    return record.box_xyxy is not None
+
+
+def _residual(
+    records: list[LabelRecord], points_m: np.ndarray, camera: Camera, reading: _Reading | None, order: Order
+) -> float:
+    return float(np.median([_miss(record, points_m, camera, reading, order) for record in records]))
+
+
+def _miss(record: LabelRecord, points_m: np.ndarray, camera: Camera, reading: _Reading | None, order: Order) -> float:
+    T = record.T_cam_target
+    if T is None:
+        return np.inf
+    if reading is not None:
+        T = Pose.from_wxyz("cam", "target", reading(T.q_wxyz, order), T.t_m)
+    projected = camera.project(T @ points_m)
+    size = np.linalg.norm(np.ptp(points_m, axis=0)) * camera.fx / np.linalg.norm(T.t_m)
+    pixels = record.keypoints_px
+    if pixels is not None and len(pixels) == len(points_m):
+        known = np.isfinite(projected).all(axis=1) & np.isfinite(pixels).all(axis=1)
+        known &= True if record.visibility is None else record.visibility != NOT_IN_IMAGE
+        return float(np.linalg.norm(projected - pixels, axis=1)[known].mean() / size) if known.any() else np.inf
+    if record.box_xyxy is None or not np.isfinite(projected).all():
+        return np.inf
+    box = np.concatenate([projected.min(axis=0), projected.max(axis=0)])
+    limits = np.array([camera.width, camera.height] * 2, dtype=np.float64)
+    return float(np.abs(np.clip(box, 0.0, limits) - record.box_xyxy).mean() / size)

@@ -1,0 +1,69 @@
+"""Submissions to the pose challenges: csv without header, quaternion scalar first.
+
+SPEC2019  filename, q1..q4, r1..r3
+SPEC2021  category (lightbox or sunlamp), filename, q1..q4, r1..r3
+"""
+
+from pathlib import Path
+
+from proxnav.datasets.formats.attitude import pose
+from proxnav.datasets.formats.labels import LabelRecord, Labels, need_pose
+from proxnav.datasets.formats.names import checked_name
+from proxnav.datasets.formats.options import ReadOptions, WriteOptions
+from proxnav.datasets.formats.places import camera_above
+from proxnav.datasets.formats.tables import check_width, numbers, read_rows, write_rows
+from proxnav.errors import InputError
+from proxnav.geometry import quaternion
+
+_CATEGORIES = ("lightbox", "sunlamp")
+
+
+def read_2019(path: Path, options: ReadOptions) -> Labels:
+    """SPEC2019 rows."""
+    return _read(path, options, categories=0)
+
+
+def read_2021(path: Path, options: ReadOptions) -> Labels:
+    """SPEC2021 rows; the category is the split."""
+    return _read(path, options, categories=1)
+
+
+def write_2019(labels: Labels, folder: Path, options: WriteOptions) -> None:
+    """`submission.csv`."""
+    write_rows(folder / "submission.csv", [_row(record, "spec2019") for record in labels.records])
+
+
+def write_2021(labels: Labels, folder: Path, options: WriteOptions) -> None:
+    """`submission.csv` with categories; InputError for images of neither."""
+    rows = []
+    for record in labels.records:
+        category = (record.split or options.split).split("/")[0]
+        if category not in _CATEGORIES:
+            raise InputError(
+                f"'{record.filename}' is of part '{category}', and spec2021 knows {' and '.join(_CATEGORIES)} only; "
+                "give --split for images that are in no part"
+            )
+        rows.append([category, *_row(record, "spec2021")])
+    write_rows(folder / "submission.csv", rows)
+
+
+def _read(path: Path, options: ReadOptions, categories: int) -> Labels:
+    order, records = options.quaternion_order or "wxyz", []
+    columns = "category, " * categories + "filename, q1..q4, r1..r3"
+    for number, row in enumerate(read_rows(path), 1):
+        where = f"{path}, row {number}"
+        check_width(row, 8 + categories, where, columns)
+        name = checked_name(row[categories], where)
+        if categories and row[0] not in _CATEGORIES:
+            raise InputError(f"{where}: category {row[0][:40]!a} is none of {', '.join(_CATEGORIES)}")
+        values = numbers(row[1 + categories :], where)
+        split = row[0] if categories else ""
+        records.append(LabelRecord(name, pose(values[:4], values[4:], order, where), split=split))
+    camera = options.camera or camera_above(path.parent, levels=0)
+    kind = "spec2021" if categories else "spec2019"
+    return Labels(tuple(records), camera, options.keypoints_m, options.keypoint_names, format=kind)
+
+
+def _row(record: LabelRecord, format: str) -> list[object]:
+    T = need_pose(record, format)
+    return [checked_name(record.filename, format), *quaternion.canonical(T.q_wxyz), *T.t_m]
