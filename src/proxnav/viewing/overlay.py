@@ -40,7 +40,7 @@ def overlay(
 def caption(canvas: np.ndarray, lines: list[str]) -> np.ndarray:
     """Lines of text in the upper left corner, on a dark ground."""
     canvas = canvas.copy()
-    scale = max(canvas.shape[1] / 1024.0, 0.5)
+    scale = max(canvas.shape[1] / 1024.0, 0.65)  # legible in small images too
     height = round(26 * scale)
     canvas[: height * len(lines) + 8] //= 2
     for row, line in enumerate(lines, 1):
