@@ -102,7 +102,10 @@ def _assemble(folder: Path, card: dict[str, Any], backend: Backend, threads: int
     names = tuple(str(name) for name in card["keypoint_names"])
     if len(names) != len(points):
         raise InputError(f"{folder / 'model.json'}: {len(names)} keypoint names for {len(points)} keypoints")
-    return PoseEstimator(_DETECTORS[card["detector"]](folder, card, backend, threads), points, names, card["target"])
+    detect = _DETECTORS[card["detector"]](folder, card, backend, threads)
+    # Of many keypoints a handful always agrees by chance, in an image that shows something else altogether.
+    pose = PoseConfig(min_inliers=max(4, len(points) // 3), min_inlier_share=0.6)
+    return PoseEstimator(detect, points, names, card["target"], pose)
 
 
 def _heatmap(folder: Path, card: dict[str, Any], backend: Backend, threads: int) -> HeatmapDetector:

@@ -6,6 +6,7 @@ data and casts them to float32: the weights are stored once, torch and every ONN
 
 import json
 import struct
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -55,20 +56,27 @@ def export(model: nn.Module, outputs: tuple[str, ...], side: int, folder: Path, 
     half = {key: value.half() if value.is_floating_point() else value for key, value in model.state_dict().items()}
     model.load_state_dict({key: value.float() if value.is_floating_point() else value for key, value in half.items()})
     save_file({key: value.contiguous() for key, value in half.items()}, weights_path)
-    torch.onnx.export(
-        model,
-        (torch.zeros(1, side, side, dtype=torch.uint8),),
-        str(graph_path),
-        input_names=["images"],
-        output_names=list(outputs),
-        dynamic_axes={key: {0: "batch"} for key in ("images", *outputs)},
-        opset_version=OPSET,
-        do_constant_folding=False,
-        dynamo=False,
-    )
+    _trace(model, outputs, side, graph_path)
     graph = onnx.load(str(graph_path))
     _point_into(graph, weights_path)
     onnx.save(graph, str(graph_path))
+
+
+def _trace(model: nn.Module, outputs: tuple[str, ...], side: int, path: Path) -> None:
+    with warnings.catch_warnings():
+        # The newer exporter needs onnxscript and renames the weights that `_point_into` looks for.
+        warnings.simplefilter("ignore")
+        torch.onnx.export(
+            model,
+            (torch.zeros(1, side, side, dtype=torch.uint8),),
+            str(path),
+            input_names=["images"],
+            output_names=list(outputs),
+            dynamic_axes={key: {0: "batch"} for key in ("images", *outputs)},
+            opset_version=OPSET,
+            do_constant_folding=False,
+            dynamo=False,
+        )
 
 
 def _point_into(model: onnx.ModelProto, weights: Path) -> None:

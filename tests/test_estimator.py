@@ -1,0 +1,132 @@
+"""Image in, pose out: what the estimator refuses, and that every runtime reads the same weights alike."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from proxnav.datasets.records import Keypoints
+from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
+from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
+from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
+from proxnav.detection.images import grey_8_bit
+from proxnav.detection.sessions import open_session
+from proxnav.errors import InputError
+from proxnav.estimator import PoseEstimator, write_model_card
+from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.targets.space_rider import space_rider
+
+CAMERA = Camera(256, 192, 350.0, 350.0, 128.0, 96.0)
+SIDE = 64
+OUTPUTS = ("points", "scores", "covariances", "shown")
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    """A model folder of small untrained networks."""
+    torch.manual_seed(1)
+    folder, target = tmp_path_factory.mktemp("model"), space_rider()
+    net = HeatmapNet(HeatmapNetConfig(trunk="resnet10", width=16))
+    with torch.no_grad():
+        net.logits.weight.mul_(300.0)  # clear peaks, as a trained network has
+    export(ReadKeypoints(net), OUTPUTS, SIDE, folder, "crop")
+    export(FindTarget(FinderNet(FinderConfig(width=16))), ("probability",), SIDE, folder, "finder")
+    card = {
+        "detector": "heatmap",
+        "target": target.name,
+        "keypoint_names": list(target.keypoint_names),
+        "keypoints_m": target.keypoints_m.tolist(),
+        "settings": {"crop_side": SIDE, "finder_side": SIDE},
+    }
+    write_model_card(folder, card)
+    return folder
+
+
+def noise(dtype=np.uint8, shape=(192, 256)):
+    return np.random.default_rng(2).integers(0, np.iinfo(dtype).max, shape, dtype=dtype)
+
+
+def test_onnx_runtime_reads_what_torch_reads(model):
+    crops = np.stack([noise(shape=(SIDE, SIDE)), noise(shape=(SIDE, SIDE))[::-1]])
+    net = HeatmapNet(HeatmapNetConfig(trunk="resnet10", width=16))
+    from safetensors.torch import load_file
+
+    reader = ReadKeypoints(net).eval()
+    reader.load_state_dict({key: value.float() for key, value in load_file(model / "crop.safetensors").items()})
+    with torch.inference_mode():
+        wanted = reader(torch.from_numpy(crops.copy()))
+    for name, got, want in zip(OUTPUTS, open_session(model / "crop.onnx", "onnxruntime")(crops), wanted, strict=True):
+        np.testing.assert_allclose(got, want, rtol=1e-3, atol=1e-2, err_msg=name)  # px
+
+
+def test_the_weights_are_stored_once(model):
+    graph, weights = (model / "crop.onnx").stat().st_size, (model / "crop.safetensors").stat().st_size
+    assert graph < 0.1 * weights
+
+
+@pytest.mark.parametrize("image", [np.zeros((192, 256), np.uint8), np.full((192, 256), 255, np.uint8)])
+def test_a_blank_image_is_a_status_and_not_a_pose(model, image):
+    result = PoseEstimator.load(str(model), "onnxruntime")(image, CAMERA)
+    assert result.status == "bad_image"
+    assert result.T_cam_target is None
+
+
+@pytest.mark.parametrize(
+    "image", [noise(), noise(np.uint16), noise(shape=(192, 256, 3)), noise(np.uint16, (192, 256, 3))]
+)
+def test_noise_of_any_kind_gives_a_status_and_never_a_pose(model, image):
+    result = PoseEstimator.load(str(model), "onnxruntime")(image, CAMERA)
+    assert result.status in ("no_target", "no_consensus", "too_few_points", "behind_camera")
+    assert result.T_cam_target is None
+
+
+def test_an_image_of_another_size_than_the_camera_is_refused(model):
+    with pytest.raises(InputError, match=r"256x100 px.*camera 256x192"):
+        PoseEstimator.load(str(model), "onnxruntime")(noise(shape=(100, 256)), CAMERA)
+
+
+@pytest.mark.parametrize(
+    "image", [np.zeros((192, 256)), np.zeros((192, 256, 3, 1), np.uint8), np.zeros((0, 5), np.uint8)]
+)
+def test_an_array_that_is_no_image_is_refused(image):
+    with pytest.raises(InputError, match="uint8 or uint16"):
+        grey_8_bit(image)
+
+
+def test_sixteen_bits_read_like_eight():
+    image = noise()
+    np.testing.assert_array_equal(grey_8_bit(image.astype(np.uint16) << 4, bits=12), image)
+
+
+def test_an_unknown_model_names_the_shipped_ones():
+    with pytest.raises(InputError, match="no model 'hubbel'"):
+        PoseEstimator.load("hubbel")
+
+
+def test_a_model_card_without_its_detector_is_refused(model, tmp_path):
+    card = json.loads((model / "model.json").read_text())
+    del card["detector"]
+    (tmp_path / "model.json").write_text(json.dumps(card))
+    with pytest.raises(InputError, match="detector"):
+        PoseEstimator.load(str(tmp_path))
+
+
+def test_a_damaged_graph_is_refused(model, tmp_path):
+    for name in ("model.json", "crop.onnx", "crop.safetensors"):
+        (tmp_path / name).write_bytes((model / name).read_bytes())
+    (tmp_path / "finder.onnx").write_bytes(b"not a graph")
+    with pytest.raises(InputError, match=r"finder\.onnx"):
+        PoseEstimator.load(str(tmp_path), "onnxruntime")
+
+
+def test_true_keypoints_give_the_true_pose_with_its_covariance(model, rng):
+    estimator = PoseEstimator.load(str(model), "onnxruntime")
+    T = Pose.from_wxyz("cam", "target", quaternion.random(rng, 1)[0], [0.5, -0.3, 30.0])
+    pixels = CAMERA.project(T @ estimator.points_target_m)
+    n = len(pixels)
+    keypoints = Keypoints("ok", pixels, np.tile(np.eye(2) * 0.01, (n, 1, 1)), np.ones(n), np.full(4, np.nan))
+    result = estimator.solve(keypoints, CAMERA)
+    assert result.status == "ok"
+    np.testing.assert_allclose(result.T_cam_target.matrix(), T.matrix(), atol=1e-5)
+    assert (np.linalg.eigvalsh(result.covariance) > 0).all()
