@@ -17,7 +17,7 @@ class EvaluateConfig:
     estimates: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="ESTIMATES")]
     """poses.json of `proxnav estimate` or `proxnav solve`, or any other format that `proxnav convert` reads."""
     truth: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="TRUTH")]
-    """A data set folder, or labels in any such form; images without an estimate are counted as frames without a pose."""
+    """A data set folder, or labels in any such form; images without an estimate count as frames without a pose."""
     json: bool = False
     """Print one JSON object instead of the tables."""
 

@@ -8,6 +8,9 @@ from typing import Any
 
 from proxnav.errors import InputError
 
+MAX_JSON_BYTES = 2**30
+"""Of a file that is read as JSON; 100,000 annotated frames take a third of it."""
+
 
 def write_atomic(path: Path, content: bytes) -> None:
     """Writes `content` to `path` so that a reader sees all of it or none: temporary file beside it, then rename."""
@@ -43,7 +46,11 @@ def finite(content: Any) -> Any:
 def read_json(path: Path, what: str) -> Any:
     """Content of a JSON file; InputError names the file and says what it should have been."""
     try:
+        if path.stat().st_size > MAX_JSON_BYTES:
+            raise InputError(f"{path}: larger than {MAX_JSON_BYTES // 2**20} MiB; expected {what}")
         return json.loads(path.read_text(encoding="utf-8"))
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; expected {what}") from None
     except IsADirectoryError:

@@ -37,7 +37,7 @@ def make_dataset(folder: Path, count: int = 6) -> Path:
             tuple(q),
             (0.02 * z, -0.03 * z, z),
             SunSpec((0.6, 0.0, 0.8)),
-        )  # fmt: skip
+        )
         for index, (q, z) in enumerate(zip(quaternion.random(rng, count).tolist(), ranges.tolist(), strict=True))
     ]
     writer, target = DatasetWriter(folder), boxcraft()

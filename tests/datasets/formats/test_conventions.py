@@ -182,7 +182,7 @@ def test_our_data_set_as_speedplus_satisfies_its_published_description(labels: L
 
 
 def test_our_data_set_as_bop_satisfies_its_published_description(labels: Labels, tmp_path: Path) -> None:
-    """scene_gt, scene_gt_info, scene_camera, gray, mask, mask_visib, models_info; millimetres; up to 100 m and beyond."""
+    """scene_gt, scene_gt_info, scene_camera, gray, mask, mask_visib, models_info; millimetres; 100 m as well."""
     root = write_labels(labels, tmp_path / "bop", "bop")
     scene = root / "test" / "000000"
     truth, info, cameras = (
@@ -236,7 +236,7 @@ def test_bop_with_several_objects_asks_which(tmp_path: Path) -> None:
         json.dumps({"0": {"cam_K": PINHOLE.K.ravel().tolist(), "depth_scale": 1.0}})
     )
     (tmp_path / "camera.json").write_text(json.dumps({"width": 64, "height": 48}))
-    with pytest.raises(InputError, match="3, 5.*--object-id"):
+    with pytest.raises(InputError, match=r"3, 5.*--object-id"):
         read_labels(tmp_path)
     labels = read_labels(tmp_path, options=ReadOptions(object_id=5))
     np.testing.assert_array_equal(labels.records[0].T_cam_target.t_m, [0.0, 0.0, 7.0])

@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from proxnav.datasets.formats.keypoint_csv import read_keypoint_rows, write_keypoint_rows
 from proxnav.datasets.formats.labels import LabelRecord, Labels, box_of, pixels_of
+from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, mask_beside
 
@@ -21,7 +22,8 @@ def read(path: Path, options: ReadOptions) -> Labels:
     for row in read_keypoint_rows(path, options.quaternion_order or "wxyz"):
         parts = PurePosixPath(row.filename).parts
         at = parts.index("images") if "images" in parts else 0
-        name, domain = "/".join(parts[at + 1 :] if "images" in parts else parts), "/".join(parts[:at])
+        domain, name = "/".join(parts[:at]), "/".join(parts[at + 1 :] if "images" in parts else parts)
+        name = checked_name(name, str(path))
         record = LabelRecord(
             name, row.T_cam_target, split=f"{domain}/{path.stem}" if domain else path.stem,
             keypoints_px=row.points, box_xyxy=row.box[_BOX],

@@ -19,6 +19,8 @@ _SYNONYMS = {"val": "validation", "training": "train", "testing": "test"}
 
 def existing(folder: Path, name: str) -> Path | None:
     """`folder/name` if it is a file; InputError when the name climbs out."""
+    if not folder.is_dir():
+        return None
     path = inside(folder, name)
     return path if path.is_file() else None
 

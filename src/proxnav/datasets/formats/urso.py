@@ -79,7 +79,7 @@ def _record(path: Path, number: int, names: list[str], row: list[str], order: Or
     w, q1, q2, q3 = pose(values[3:], values[:3], order, where).q_wxyz
     T = Pose.from_wxyz("cam", "target", [w, q1, -q2, q3], [y, -z, x])
     part = path.name.removesuffix(POSES)
-    shown = name.removeprefix("images/")
+    shown = checked_name(name.removeprefix("images/").lstrip("/"), where)
     return LabelRecord(shown, T, split=_LONG.get(part, part), image=existing(path.parent, name))
 
 
