@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test lint docs clean
+.PHONY: demo test lint blender clean
 .DELETE_ON_ERROR:
 
 demo: $(STAMP) blender
@@ -19,7 +19,6 @@ lint: $(STAMP)
 	$(BIN)/lint-imports
 	$(BIN)/pyright
 
-.PHONY: blender
 blender: $(STAMP)
 	$(BIN)/proxnav setup blender
 
@@ -31,3 +30,4 @@ $(STAMP): pyproject.toml
 
 clean:
 	rm -rf $(VENV) out
+	find src -name '*.nb[ci]' -delete
