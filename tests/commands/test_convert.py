@@ -10,7 +10,15 @@ import pytest
 from proxnav.cli import main
 from proxnav.datasets.dataset import Dataset
 from proxnav.datasets.formats import WRITERS, read_labels
-from proxnav.trajectories import OBSERVATION_10_100, clip_range, read_trajectory, select, walking_safety_ellipse
+from proxnav.datasets.records import Trajectory
+from proxnav.trajectories import (
+    OBSERVATION_10_100,
+    ReaderConfig,
+    clip_range,
+    read_trajectory,
+    select,
+    walking_safety_ellipse,
+)
 from proxnav.trajectories import write as flight_files
 
 SMALL_SETS = Path(__file__).resolve().parents[1] / "datasets" / "formats" / "conftest.py"
@@ -100,29 +108,50 @@ def test_wrong_requests_are_one_sentence(
     assert found in sentence(capsys)
 
 
-def test_a_flight_goes_from_stk_to_ccsds_and_back(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    flight = clip_range(walking_safety_ellipse(OBSERVATION_10_100), 10.0, 100.0)
-    flight = select(flight, np.arange(12))
-    source = tmp_path / "source"
-    source.mkdir()
-    for craft in ("target", "chaser"):
-        (source / f"{craft}.e").write_text(flight_files.stk_ephemeris(flight, craft))
-        (source / f"{craft}.a").write_text(flight_files.stk_attitude(flight, craft))
-    names = ("target.e", "chaser.e", "target.a", "chaser.a")
-    argv = ["convert", *[str(source / name) for name in names], "--to", "ccsds", "--out", str(tmp_path / "ccsds")]
+@pytest.fixture(scope="module")
+def flight() -> Trajectory:
+    whole = walking_safety_ellipse(OBSERVATION_10_100)
+    return select(clip_range(whole, 10.0, 100.0), np.arange(12))
+
+
+@pytest.fixture
+def stk_files(flight: Trajectory, tmp_path: Path) -> list[Path]:
+    """target.e, chaser.e, target.a, chaser.a"""
+    (tmp_path / "source").mkdir()
+    paths = [tmp_path / "source" / name for name in ("target.e", "chaser.e", "target.a", "chaser.a")]
+    for path in paths:
+        make = flight_files.stk_ephemeris if path.suffix == ".e" else flight_files.stk_attitude
+        path.write_text(make(flight, path.stem))
+    return paths
+
+
+@pytest.mark.parametrize(
+    ("to", "names"),
+    [("ccsds", ["target.oem", "chaser.oem", "target.aem", "chaser.aem"]), ("csv", ["trajectory.csv"])],
+)
+def test_a_flight_goes_from_stk_and_back(
+    to: str, names: list[str], flight: Trajectory, stk_files: list[Path], tmp_path: Path
+) -> None:
+    assert main(["convert", *map(str, stk_files), "--to", to, "--out", str(tmp_path / to)]) == 0
+    assert sorted(path.name for path in (tmp_path / to).iterdir()) == sorted(names)
+    files = [str(tmp_path / to / name) for name in names]
+    assert main(["convert", *files, "--to", "stk", "--out", str(tmp_path / "stk")]) == 0
+    paths = [tmp_path / "stk" / path.name for path in stk_files]
+    back = read_trajectory(paths, ReaderConfig(q_chaser_cam=(1.0, 0.0, 0.0, 0.0)), t=flight.t)
+    np.testing.assert_allclose(back.r_eci_target_m, flight.r_eci_target_m, rtol=0, atol=1e-6)  # m, of 7e6
+    np.testing.assert_allclose(back.r_eci_chaser_m, flight.r_eci_chaser_m, rtol=0, atol=1e-6)
+    for name in ("q_eci_target", "q_eci_cam"):
+        same = np.abs(np.einsum("ni,ni->n", getattr(back, name), getattr(flight, name)))
+        np.testing.assert_allclose(same, 1.0, rtol=0, atol=1e-12)
+
+
+def test_files_of_an_earlier_conversion_are_not_overwritten(
+    stk_files: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    argv = ["convert", str(stk_files[0]), "--to", "ccsds", "--out", str(tmp_path / "out")]
     assert main(argv) == 0
-    written = sorted(path.name for path in (tmp_path / "ccsds").iterdir())
-    assert written == ["chaser.aem", "chaser.oem", "target.aem", "target.oem"]
-    names = ("target.oem", "chaser.oem", "target.aem", "chaser.aem")
-    argv = ["convert", *[str(tmp_path / "ccsds" / n) for n in names], "--to", "stk", "--out", str(tmp_path / "stk")]
-    assert main(argv) == 0
-    back = read_trajectory([tmp_path / "stk" / "target.e", tmp_path / "stk" / "chaser.e"], t=flight.t)
-    np.testing.assert_allclose(back.r_eci_target_m, flight.r_eci_target_m, atol=1e-6)  # m, of 7e6
-    np.testing.assert_allclose(back.r_eci_chaser_m, flight.r_eci_chaser_m, atol=1e-6)
-    turned = (source / "target.a").read_text().split("AttitudeTimeQuaternions")[1].split()
-    again = (tmp_path / "stk" / "target.a").read_text().split("AttitudeTimeQuaternions")[1].split()
-    q, p = (np.array(words[:-2], dtype=float).reshape(-1, 5)[:, 1:] for words in (turned, again))
-    np.testing.assert_allclose(np.abs(np.einsum("ni,ni->n", q, p)), 1.0, atol=1e-9)
+    assert main(argv) == 1
+    assert "exists" in sentence(capsys)
 
 
 def test_a_lone_orbit_stays_alone(shared_data: Path, tmp_path: Path) -> None:
@@ -133,9 +162,23 @@ def test_a_lone_orbit_stays_alone(shared_data: Path, tmp_path: Path) -> None:
 
 def test_labels_of_the_field_become_a_baseline_table(shared_data: Path, tmp_path: Path) -> None:
     speedplus = shared_data / "speedplus"
-    argv = ["convert", str(speedplus / "shirt_roe1.json"), "--to", "krn", "--out", str(tmp_path / "krn")]
+    some = json.loads((speedplus / "shirt_roe1.json").read_text())["poses"][::20]
+    (tmp_path / "roe1.json").write_text(json.dumps({"poses": some}))
+    argv = ["convert", str(tmp_path / "roe1.json"), "--to", "krn", "--out", str(tmp_path / "krn")]
     argv += ["--camera", str(speedplus / "camera.json"), "--target", str(speedplus / "tangoPoints.mat")]
     assert main([*argv, "--split", "roe1/train"]) == 0
     table = tmp_path / "krn" / "roe1" / "splits_krn" / "train.csv"
-    assert len(table.read_text().splitlines()) == 2371
+    rows = table.read_text().splitlines()
+    assert (len(rows), len(rows[0].split(","))) == (119, 12 + 22)
     assert main(["evaluate", str(table), str(speedplus / "shirt_roe1.json"), "--json"]) == 0
+
+
+def test_bop_results_pair_with_images_by_number(dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    argv = ["convert", str(dataset), "--to", "bop-results", "--out", str(tmp_path / "r")]
+    assert main(argv) == 0
+    csv = tmp_path / "r" / "results.csv"
+    csv.write_text("\n".join(csv.read_text().splitlines()[:3]) + "\n")
+    capsys.readouterr()
+    assert main(["evaluate", str(csv), str(dataset), "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert (content["frames"], content["poses"]) == (4, 2)

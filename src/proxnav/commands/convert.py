@@ -6,13 +6,15 @@ from typing import Annotated, Literal
 
 import tyro
 
+from proxnav.commands.flight_csv import Craft, flight_csv
 from proxnav.datasets.formats import READERS, WRITERS, Labels, ReadOptions, WriteOptions, read_labels, write_labels
+from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.targets import Target
 from proxnav.trajectories.readers.config import ReaderConfig
 
-_FLIGHTS = ("stk", "ccsds")
+_FLIGHTS = ("stk", "ccsds", "csv")
 _FLIGHT_FILES = {".e", ".a", ".oem", ".aem"}
 _WITHOUT_IMAGES = ("poses", "spec2019", "spec2021", "bop-results")
 
@@ -26,7 +28,7 @@ class ConvertConfig:
     """A folder or file of poses, or the files of one trajectory (target first, then chaser)."""
     to: str
     """proxnav, coco, detectron2, speed, speed+, poses, urso, krn, spnv2, spec2019, spec2021, spark, bop, bop-results;
-    trajectories: stk, ccsds."""
+    trajectories: stk, ccsds, csv."""
     out: Path
     """Folder to write; it must be empty or absent."""
     from_: Annotated[str, tyro.conf.arg(name="from")] = "auto"
@@ -100,45 +102,58 @@ def notes(labels: Labels, to: str) -> list[str]:
 
 
 def convert_flight(config: ConvertConfig) -> None:
-    """A trajectory: what the files hold of target and chaser, orbit and attitude, each as a file."""
-    from proxnav.trajectories import read_trajectory, write
+    """A trajectory: what the files hold of target and chaser, orbit and attitude; nothing that they do not hold."""
+    from proxnav.trajectories import read_trajectory
+
+    orbits, attitudes = _held(config)
+    reader = config.flight
+    if len(attitudes) > 1 and reader.q_chaser_cam is None:
+        reader = replace(reader, q_chaser_cam=(1.0, 0.0, 0.0, 0.0))  # the chaser's own attitude, not a pointing one
+    flight = read_trajectory(config.source, reader)
+    contents = _flight_files(flight, config.to, orbits, attitudes)
+    taken = [name for name in contents if (config.out / name).exists()]
+    if taken:
+        raise InputError(f"{config.out / taken[0]}: exists; give another --out")
+    config.out.mkdir(parents=True, exist_ok=True)
+    for name, text in contents.items():
+        (config.out / name).write_text(text, encoding="utf-8")
+    print(f"{len(flight)} instants from {flight.epoch_utc} in {config.out}: {', '.join(contents)}")
+
+
+def _held(config: ConvertConfig) -> tuple[list[Craft], list[Craft]]:
+    """Whose orbits and whose attitudes the files hold; a relative orbit is the chaser's about an assumed target's."""
     from proxnav.trajectories.read import read_histories
     from proxnav.trajectories.readers.history import OrbitHistory
 
     found = [history for path in config.source for history in read_histories(path, config.flight)]
-    orbits = sum(isinstance(history, OrbitHistory) for history in found)
-    attitudes = len(found) - orbits
-    reader = config.flight
-    if attitudes > 1 and reader.q_chaser_cam is None:
-        reader = replace(reader, q_chaser_cam=(1.0, 0.0, 0.0, 0.0))  # the chaser's own attitude, not a pointing one
-    flight = read_trajectory(config.source, reader)
-    orbit, attitude = (write.stk_ephemeris, write.stk_attitude) if config.to == "stk" else (write.oem, write.aem)
-    endings = (".e", ".a") if config.to == "stk" else (".oem", ".aem")
-    config.out.mkdir(parents=True, exist_ok=True)
-    crafts: tuple[Literal["target", "chaser"], ...] = ("target", "chaser")
-    for number, craft in enumerate(crafts):
-        for count, make, ending in ((orbits, orbit, endings[0]), (attitudes, attitude, endings[1])):
-            if number < count:
-                _write_new(config.out / f"{craft}{ending}", make(flight, craft))
-    print(f"{len(flight)} instants from {flight.epoch_utc} in {config.out}")
+    orbits = [history for history in found if isinstance(history, OrbitHistory)]
+    relative = any(history.frame.kind == "ric" for history in orbits)
+    both: list[Craft] = ["target", "chaser"]
+    return both if relative else both[: len(orbits)], both[: len(found) - len(orbits)]
+
+
+def _flight_files(flight: Trajectory, to: str, orbits: list[Craft], attitudes: list[Craft]) -> dict[str, str]:
+    """File name to content."""
+    from proxnav.trajectories import write
+
+    if to == "csv":
+        return {"trajectory.csv": flight_csv(flight, orbits, attitudes)}
+    if to == "stk":
+        found = {f"{craft}.e": write.stk_ephemeris(flight, craft) for craft in orbits}
+        return found | {f"{craft}.a": write.stk_attitude(flight, craft) for craft in attitudes}
+    found = {f"{craft}.oem": write.oem(flight, craft) for craft in orbits}
+    return found | {f"{craft}.aem": write.aem(flight, craft) for craft in attitudes}
 
 
 def _checked_source(config: ConvertConfig) -> Path:
     source, *more = config.source
     if source.suffix.lower() in _FLIGHT_FILES or more:
-        raise InputError(f"{source}: trajectories are written --to {' or '.join(_FLIGHTS)}, not {config.to}")
+        raise InputError(f"{source}: trajectories are written --to {', '.join(_FLIGHTS)}, not {config.to}")
     if config.from_ not in ("auto", *READERS):
         raise InputError(f"--from {config.from_}: one of {', '.join(READERS)}")
     if not 0.0 <= config.validation_share < 1.0:
         raise InputError(f"--validation-share {config.validation_share}: expected a part of the set, 0 to below 1")
     return source
-
-
-def _write_new(path: Path, text: str) -> None:
-    if path.exists():
-        raise InputError(f"{path}: exists; give another --out")
-    path.write_text(text, encoding="utf-8")
-    print(f"  {path.name}")
 
 
 def _options(config: ConvertConfig) -> tuple[Target | None, ReadOptions]:
