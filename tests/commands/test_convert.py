@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
+from boxcraft import boxcraft
 from proxnav.cli import main
 from proxnav.datasets.dataset import Dataset
 from proxnav.datasets.formats import WRITERS, read_labels
 from proxnav.datasets.records import Trajectory
+from proxnav.targets.loading import save_target
 from proxnav.trajectories import (
     OBSERVATION_10_100,
     ReaderConfig,
@@ -182,3 +185,11 @@ def test_bop_results_pair_with_images_by_number(dataset: Path, tmp_path: Path, c
     assert main(["evaluate", str(csv), str(dataset), "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert (content["frames"], content["poses"]) == (4, 2)
+
+
+def test_a_bop_mesh_is_in_millimetres(dataset: Path, tmp_path: Path) -> None:
+    saved = save_target(boxcraft(), tmp_path / "boxcraft")
+    argv = ["convert", str(dataset), "--to", "bop", "--out", str(tmp_path / "bop"), "--target", str(saved)]
+    assert main(argv) == 0
+    mesh = trimesh.load_mesh(tmp_path / "bop" / "models" / "obj_000001.ply")
+    np.testing.assert_allclose(mesh.extents, [3000.0, 2000.0, 1200.0])
