@@ -1,6 +1,7 @@
 """The stages together: scenes to a data set, whichever process draws and however often it is killed."""
 
 import hashlib
+import json
 import random
 import subprocess
 import sys
@@ -12,10 +13,15 @@ import numpy as np
 import pytest
 
 from proxnav import presets
+from proxnav.commands.demo import DemoConfig
 from proxnav.crops import CropConfig, CropJob, WholeFrameJob, sample_source
 from proxnav.datasets.dataset import Dataset
+from proxnav.datasets.records import Keypoints
+from proxnav.errors import InputError
+from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig
-from proxnav.pipeline import draw_scenes, follow, judge, observable, render, truth_of
+from proxnav.pipeline import draw_scenes, follow, judge, observable, render, telling, truth_of, write_run
+from proxnav.viewing.report import report_html
 
 RAYCAST = FrameConfig("raycast")
 SIDE = 96
@@ -136,3 +142,48 @@ def test_a_stream_of_samples_can_be_entered_anywhere():
     for image, same in zip(late, whole[5:10], strict=True):
         np.testing.assert_array_equal(image, same)
     assert not np.array_equal(whole[0], whole[8])  # after both passes comes another block
+
+
+@pytest.mark.parametrize("frames", range(1, 40))
+def test_telling_frames_are_named_once_and_of_three_kinds(frames):
+    order = np.random.default_rng(frames).permutation(frames)
+    named = telling(order, 10)
+    places = [int(name.split("-")[1]) for name, _ in named]
+    kinds = [name.split("-")[0] for name, _ in named]
+    assert len(set(places)) == len(named) == min(frames, 30)
+    assert [int(order[place]) for place in places] == [index for _, index in named]
+    assert {"best", "median", "worst"} == set(kinds) or frames < 3
+    counts = [kinds.count(kind) for kind in ("best", "median", "worst")]
+    assert max(counts) - min(counts) <= 1
+    assert max(places, default=0) == frames - 1 or frames < 2
+    assert places[0] == 0
+
+
+@pytest.mark.parametrize(("frames", "seed"), [(0, 0), (-3, 0), (1, -1)])
+def test_no_frames_or_a_negative_seed_is_refused_by_random_and_by_flown_scenes(frames, seed):
+    preset = presets.preset("spiral-10-100m")
+    with pytest.raises(InputError, match="at least 1 frame"):
+        draw_scenes(preset, frames, seed, SIDE)
+    with pytest.raises(InputError, match="at least 1 frame"):
+        follow(presets.flight(preset.trajectory), preset, frames, seed, SIDE)
+
+
+def test_a_run_folder_says_what_was_asked_and_forgets_the_overlays_of_the_run_before(six, tmp_path):
+    """Reports pair overlays with frames by place: those of an earlier, longer run would show other frames."""
+    (tmp_path / "overlays").mkdir()
+    (tmp_path / "overlays" / "worst-0099.png").write_bytes(b"of an earlier run")
+    (tmp_path / "overlays" / "mine.png").write_bytes(b"of the user")
+    nothing = Keypoints.none("no_target", 24)
+    estimator = PoseEstimator(lambda image: nothing, np.zeros((24, 3)), ("",) * 24, "space-rider")
+    records = [replace(record, status="ok") for record in truth_of(six)]
+    write_run(tmp_path, judge(records, six), six, estimator, DemoConfig(seed=7, out=Path("here")))
+    names = {path.name for path in (tmp_path / "overlays").iterdir()}
+    assert names == {"mine.png", *(f"{kind}-{n:04d}.png" for n, kind in enumerate(np.repeat(KINDS, 2)))}
+    config = json.loads((tmp_path / "config.json").read_text())
+    assert config["seed"] == 7
+    assert config["options"]["out"] == "here"
+    assert config["versions"]["numpy"] == np.__version__
+    assert "options.seed" in report_html(tmp_path, "run")
+
+
+KINDS = ("best", "median", "worst")

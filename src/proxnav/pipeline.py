@@ -13,8 +13,10 @@ from proxnav.cluster.local import run_jobs
 from proxnav.datasets.dataset import Dataset, encode_png
 from proxnav.datasets.files import write_atomic, write_json
 from proxnav.datasets.records import SceneSpec, Trajectory
+from proxnav.datasets.run_record import run_record
 from proxnav.datasets.speed import PoseRecord, write_poses
 from proxnav.datasets.writer import DatasetWriter
+from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.evaluation.consistency import Consistency, consistency
 from proxnav.evaluation.metrics import metrics
@@ -30,6 +32,7 @@ from proxnav.scenes.random_scene import random_scene
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select, spread
 from proxnav.viewing.overlay import caption, overlay
+from proxnav.viewing.run_folder import overlay_files
 
 RANGE_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 200.0, 400.0, 1e6)
 """Bins of the table by range."""
@@ -37,12 +40,14 @@ RANGE_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.
 
 def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
     """Scenes of a preset, each a function of (seed, index) alone; `size` resamples the square camera."""
+    _check_order(frames, seed)
     camera = resized(preset.camera, size)
     return [random_scene(index, seed, preset.scenes, preset.target, camera) for index in range(frames)]
 
 
 def follow(trajectory: Trajectory, preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
     """`frames` scenes spread evenly over the observable part of a trajectory; over all of it if there is none."""
+    _check_order(frames, seed)
     usable = observable(trajectory, preset.scenes.sun.max_phase_rad)
     seen = spread(select(trajectory, usable) if usable.any() else trajectory, frames)
     camera = resized(preset.camera, size)
@@ -51,6 +56,11 @@ def follow(trajectory: Trajectory, preset: Preset, frames: int, seed: int, size:
         scene_at(seen, k, index=k, target=preset.target, camera=camera, config=config, seed=seed)
         for k in range(len(seen))
     ]
+
+
+def _check_order(frames: int, seed: int) -> None:
+    if frames < 1 or seed < 0:
+        raise InputError(f"a set needs at least 1 frame and a seed from 0 on, found {frames} frames and seed {seed}")
 
 
 def observable(trajectory: Trajectory, max_phase_rad: float) -> Bool[np.ndarray, "n"]:
@@ -143,26 +153,38 @@ def truth_of(dataset: Dataset) -> tuple[PoseRecord, ...]:
     return tuple(PoseRecord(label.filename, label.T_cam_target, "truth") for label in dataset.labels)
 
 
-def write_run(out: Path, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator, worst: int = 10) -> None:
-    """poses.json, truth.json, metrics.json, and overlays of the worst, median and best frames."""
+def write_run(
+    out: Path, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator, options: Any, each: int = 10
+) -> None:
+    """poses.json, truth.json, metrics.json, config.json, and overlays of the `each` best, median and worst frames.
+
+    `options` is the dataclass that the run was asked with.
+    """
     write_poses(out / "poses.json", judgement.records)
     write_poses(out / "truth.json", judgement.truth)
     write_json(out / "metrics.json", judgement.metrics(), indent=1)
+    write_json(out / "config.json", run_record(options), indent=1)
+    for stale in overlay_files(out / "overlays"):
+        stale.unlink()
     errors = [np.inf if frame.errors is None else frame.errors.e_c for frame in judgement.frames]
-    for rank, index in telling(np.argsort(errors), worst):
-        write_atomic(out / "overlays" / f"{rank}.png", encode_png(draw(index, judgement, dataset, estimator)))
+    for name, index in telling(np.argsort(errors, kind="stable"), each):
+        write_atomic(out / "overlays" / f"{name}.png", encode_png(draw(index, judgement, dataset, estimator)))
 
 
-def telling(order: np.ndarray, count: int) -> list[tuple[str, int]]:
-    """(name, frame) of the `count` best, median and worst frames of an order from best to worst; each frame once."""
-    n, middle = len(order), max(0, (len(order) - count) // 2)
-    picked = {"best": range(min(count, n)), "median": range(middle, min(middle + count, n))}
-    picked["worst"] = range(max(0, n - count), n)
-    named: dict[int, str] = {}
-    for kind, places in picked.items():
-        for place in places:
-            named.setdefault(place, f"{kind}-{place:04d}")
-    return [(name, int(order[place])) for place, name in named.items()]
+def telling(order: np.ndarray, each: int) -> list[tuple[str, int]]:
+    """(name, frame) of up to `each` best, median and worst frames of an order from best to worst; each frame once.
+
+    Where there are too few for all, each kind has a third of them.
+    """
+    n = len(order)
+    best, median, worst = (min(each, (n + extra) // 3) for extra in (2, 0, 1))
+    middle = min(max((n - median) // 2, best), n - worst - median)
+    places = {"best": (0, best), "median": (middle, median), "worst": (n - worst, worst)}
+    return [
+        (f"{kind}-{place:04d}", int(order[place]))
+        for kind, (start, count) in places.items()
+        for place in range(start, start + count)
+    ]
 
 
 def draw(index: int, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator) -> np.ndarray:

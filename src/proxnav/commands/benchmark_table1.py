@@ -45,5 +45,5 @@ def main(argv: list[str]) -> None:
         dataset = render(scenes, FrameConfig(config.renderer, config.samples), folder, config.workers, done)
     records = estimate_images(estimator, find_images(folder), dataset.camera)
     judgement = judge(records, dataset)
-    write_run(config.out, judgement, dataset, estimator)
+    write_run(config.out, judgement, dataset, estimator, config)
     print(json.dumps(judgement.metrics(), indent=1) if config.json else judgement.text())

@@ -9,6 +9,7 @@ from proxnav import presets
 from proxnav.commands.estimate import estimate_images, find_images
 from proxnav.commands.progress import progress
 from proxnav.datasets.files import write_atomic
+from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.pipeline import follow, judge, render, write_run
@@ -41,15 +42,16 @@ def main(argv: list[str]) -> None:
 def run(config: DemoConfig) -> None:
     """Fly, render, estimate, judge, write."""
     preset = presets.preset(config.preset)
+    if not preset.trajectory:
+        with_flight = ", ".join(name for name, other in presets.PRESETS.items() if other.trajectory)
+        raise InputError(f"preset '{config.preset}' has no trajectory to fly; one of {with_flight}")
     estimator = PoseEstimator.load(config.model)
     scenes = follow(presets.flight(preset.trajectory), preset, config.frames, config.seed)
     with progress(f"render ({config.renderer})", len(scenes)) as done:
         images = config.out / f"images-{config.renderer}"
         dataset = render(scenes, FrameConfig(config.renderer, config.samples), images, 1, done)
     judgement = judge(estimate_images(estimator, find_images(images), dataset.camera), dataset)
-    write_run(config.out, judgement, dataset, estimator)
-    write_atomic(
-        config.out / "report.html", report_html(judgement.frames, config.out, f"demo: {config.preset}").encode()
-    )
+    write_run(config.out, judgement, dataset, estimator, config)
+    write_atomic(config.out / "report.html", report_html(config.out, f"demo: {config.preset}").encode())
     print(judgement.text())
     print(f"\nlook at {config.out / 'report.html'} and {config.out / 'overlays'}")

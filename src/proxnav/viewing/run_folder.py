@@ -2,7 +2,7 @@
 
 poses.json    estimates               metrics.json   headline numbers
 truth.json    true poses              overlays/      <best|median|worst>-NNNN.png, NNNN = place from best to worst
-config.json   optional, what was asked for
+config.json   optional, what was asked for and with which versions
 """
 
 import re
@@ -130,8 +130,13 @@ def _row(truth: PoseRecord, estimate: PoseRecord | None) -> FrameRow:
     return FrameRow(truth.filename, range_m, estimate.status, errors)
 
 
+def overlay_files(folder: Path) -> list[Path]:
+    """The overlays in a folder, by name; files of other names are none of ours."""
+    return sorted(path for path in folder.glob("*.png") if _OVERLAY.fullmatch(path.name))
+
+
 def _pictures(folder: Path) -> tuple[Picture, ...]:
-    """Overlays from worst to best; files of other names are none of ours."""
-    named = [(path, _OVERLAY.fullmatch(path.name)) for path in sorted(folder.glob("*.png"))]
+    """Overlays from worst to best."""
+    named = [(path, _OVERLAY.fullmatch(path.name)) for path in overlay_files(folder)]
     found = [Picture(path, match[1], int(match[2])) for path, match in named if match]
     return tuple(sorted(found, key=lambda picture: -picture.place))
