@@ -12,6 +12,7 @@ COMMANDS = {
     "simulate": "sensor records along a trajectory: camera, gyro, star tracker, GNSS",
     "navigate": "the filter over records: navigation solution with covariance",
     "evaluate": "poses.json against truth: the study's Table 1 and ours",
+    "report": "one HTML page of a finished run",
     "target": "look at a target: keypoints, extents, preview",
     "convert": "data sets, poses and trajectories between formats",
     "benchmark": "measured tables beside their references",

@@ -1,0 +1,31 @@
+"""`proxnav report`: one HTML page of a finished run."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class ReportConfig:
+    """Writes one HTML file, readable without network, of a run folder of `demo` or `benchmark table1`."""
+
+    run: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
+    """Folder with poses.json, truth.json and metrics.json; overlays/ and config.json are shown where they are there."""
+    out: Path | None = None
+    """File to write; report.html in the run folder when not given."""
+    title: str = ""
+    """Heading of the page; the folder's name when not given."""
+
+
+def main(argv: list[str]) -> None:
+    """Entry of `proxnav report`."""
+    config = tyro.cli(ReportConfig, args=argv, prog="proxnav report")
+    from proxnav.datasets.files import write_atomic
+    from proxnav.viewing.report import report_html
+
+    page = report_html(config.run, config.title or config.run.resolve().name)
+    out = config.out or config.run / "report.html"
+    write_atomic(out, page.encode())
+    print(f"report in {out}")
