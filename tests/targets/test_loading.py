@@ -130,6 +130,14 @@ def test_sharpness_of_a_cube_is_that_of_three_faces():
     assert sharpness(np.asarray(sphere.vertices, float), np.asarray(sphere.faces)).max() < 0.02
 
 
+def test_corners_of_a_thin_plate_are_as_sharp_as_those_of_a_cube():
+    """1 - 1/sqrt(3) however the faces are cut into triangles: a corner's three faces each have 90 deg there."""
+    for extents in ((0.15, 0.7, 0.01), (0.7, 0.01, 0.15), (1.0, 1.0, 1.0)):  # m
+        plate = trimesh.creation.box(extents)
+        score = sharpness(np.asarray(plate.vertices, float), np.asarray(plate.faces))
+        np.testing.assert_allclose(score, 1.0 - 1.0 / np.sqrt(3.0), atol=1e-9)
+
+
 def test_symmetry_of_a_plain_box_is_reported_and_space_riders_is_not(tmp_path: Path, rng: np.random.Generator):
     trimesh.creation.box((1, 2, 4)).subdivide().subdivide().export(tmp_path / "box.stl")
     turns = near_symmetries(from_mesh(tmp_path / "box.stl", unit_m=1.0), rng)

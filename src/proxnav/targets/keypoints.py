@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from proxnav.errors import InputError
-from proxnav.targets.mapping import Faces, Vertices, face_normals
+from proxnav.targets.mapping import Faces, Vertices, corner_angles, face_normals
 from proxnav.targets.spread import farthest_points
 from proxnav.targets.target import Target
 from proxnav.targets.visibility import first_hits, surface_samples
@@ -35,14 +35,15 @@ def suggest_keypoints(target: Target, count: int = 24) -> tuple[Float[np.ndarray
 
 
 def sharpness(vertices_m: Vertices, faces: Faces) -> Float[np.ndarray, "n_vertices"]:
-    """1 - |area-weighted mean of the unit normals about each vertex|."""
-    normal = face_normals(vertices_m, faces)
-    a, b, c = (vertices_m[faces[:, i]] for i in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    """1 - |mean of the unit normals about each vertex|, each weighted by its triangle's angle there.
+
+    Weighting by area would call the corner of a thin plate flat: its rim has an angle there, but no area.
+    """
+    normal, angle = face_normals(vertices_m, faces), corner_angles(vertices_m, faces)
     total, weight = np.zeros((len(vertices_m), 3)), np.zeros(len(vertices_m))
     for corner in range(3):
-        np.add.at(total, faces[:, corner], normal * area[:, None])
-        np.add.at(weight, faces[:, corner], area)
+        np.add.at(total, faces[:, corner], normal * angle[:, corner, None])
+        np.add.at(weight, faces[:, corner], angle[:, corner])
     return np.where(weight > 0, 1.0 - np.linalg.norm(total, axis=1) / np.maximum(weight, 1e-300), 0.0)
 
 

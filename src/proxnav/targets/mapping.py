@@ -42,7 +42,7 @@ def corner_normals(
     """
     normal = face_normals(vertices_m, faces)
     vertex = _welded(vertices_m, weld_m)[faces].reshape(-1)
-    weight = _corner_angles(vertices_m, faces).reshape(-1)
+    weight = corner_angles(vertices_m, faces).reshape(-1)
     total = normal[np.arange(len(vertex)) // 3].copy()
     total *= weight[:, None]
     for first, second in _pairs_about_vertices(vertex):
@@ -65,7 +65,8 @@ def _welded(vertices_m: Vertices, weld_m: float) -> Int[np.ndarray, "n_vertices"
     return first[inverse.reshape(-1)]
 
 
-def _corner_angles(vertices_m: Vertices, faces: Faces) -> Float[np.ndarray, "n_faces 3"]:
+def corner_angles(vertices_m: Vertices, faces: Faces) -> Float[np.ndarray, "n_faces 3"]:
+    """Angle [rad] of each triangle at each of its corners; 0 where an edge has no length."""
     p = vertices_m[faces]
     to_next, to_last = np.roll(p, -1, axis=1) - p, np.roll(p, 1, axis=1) - p
     lengths = np.linalg.norm(to_next, axis=2) * np.linalg.norm(to_last, axis=2)
