@@ -1,12 +1,12 @@
 """`proxnav convert` and the formats that `proxnav evaluate` takes."""
 
-import importlib.util
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from tests.datasets.formats.small_sets import make_dataset
 
 from boxcraft import boxcraft
 from proxnav.cli import main
@@ -24,15 +24,10 @@ from proxnav.trajectories import (
 )
 from proxnav.trajectories import write as flight_files
 
-SMALL_SETS = Path(__file__).resolve().parents[1] / "datasets" / "formats" / "conftest.py"
-
 
 @pytest.fixture
 def dataset(tmp_path: Path) -> Path:
-    spec = importlib.util.spec_from_file_location("small_sets", SMALL_SETS)
-    small_sets = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(small_sets)
-    return small_sets.make_dataset(tmp_path / "set", 4)
+    return make_dataset(tmp_path / "set", 4)
 
 
 def sentence(capsys: pytest.CaptureFixture) -> str:

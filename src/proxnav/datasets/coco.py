@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool
 from pycocotools import mask as coco_mask
 
+from proxnav.datasets.numbers import finite_numbers
 from proxnav.datasets.records import FrameLabel
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
@@ -70,9 +71,10 @@ def _label(entry: Any, filename: str, n_keypoints: int, where: str) -> FrameLabe
     if entry is None:
         raise InputError(f"{where}: image '{filename}' has no annotation")
     try:
-        uvf = np.array(entry["keypoints"], dtype=np.float64)
-        x, y, w, h = (float(value) for value in entry["bbox"])
-        T = Pose.from_wxyz("cam", "target", entry["q_cam_target"], entry["t_cam_target"])
+        uvf = finite_numbers(entry["keypoints"], None, "keypoints")
+        x, y, w, h = finite_numbers(entry["bbox"], 4, "bbox")
+        q = finite_numbers(entry["q_cam_target"], 4, "q_cam_target")
+        T = Pose.from_wxyz("cam", "target", q, finite_numbers(entry["t_cam_target"], 3, "t_cam_target"))
     except (TypeError, KeyError, ValueError, OverflowError) as error:
         raise InputError(f"{where}: annotation of '{filename}' is malformed ({error})") from None
     if uvf.shape != (3 * n_keypoints,):
@@ -80,6 +82,8 @@ def _label(entry: Any, filename: str, n_keypoints: int, where: str) -> FrameLabe
             f"{where}: '{filename}' has {uvf.size / 3:g} keypoints, the category names {n_keypoints}; fix the labels"
         )
     uvf = uvf.reshape(-1, 3)
+    if not np.isin(uvf[:, 2], (0.0, 1.0, 2.0)).all():
+        raise InputError(f"{where}: '{filename}' has a visibility other than 0, 1 and 2; fix the labels")
     box = np.array([x, y, x + w, y + h]) if w > 0 and h > 0 else np.full(4, np.nan)
     return FrameLabel(filename, T, uvf[:, :2], uvf[:, 2].astype(np.int64), box)
 

@@ -10,12 +10,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 
 from proxnav.datasets import coco
 from proxnav.datasets.files import inside, read_json
+from proxnav.datasets.numbers import finite_numbers
 from proxnav.datasets.records import FrameLabel, SceneSpec
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
@@ -57,13 +59,25 @@ class Dataset:
     @cached_property
     def keypoints_m(self) -> np.ndarray:
         """(n, 3) keypoints in the target frame [m]."""
-        content = read_json(self.folder / "target.json", "the target's keypoints")
-        return np.array(content["keypoints_m"], dtype=np.float64)
+        points = finite_numbers(self._target("keypoints_m"), None, f"{self.folder / 'target.json'}: keypoints_m")
+        if points.size != 3 * len(self.keypoint_names):
+            raise InputError(
+                f"{self.folder / 'target.json'}: {points.size / 3:g} keypoints, annotations.json names "
+                f"{len(self.keypoint_names)}; both must be of the same target"
+            )
+        return points.reshape(-1, 3)
 
     @property
     def target_name(self) -> str:
         """Name of the target that the set shows."""
-        return str(read_json(self.folder / "target.json", "the target's keypoints")["name"])
+        return str(self._target("name"))
+
+    def _target(self, key: str) -> Any:
+        path = self.folder / "target.json"
+        content = read_json(path, "the target's keypoints")
+        if not isinstance(content, dict) or key not in content:
+            raise InputError(f"{path}: no '{key}'; it should hold the target's name and keypoints")
+        return content[key]
 
     def scenes(self) -> Iterator[SceneSpec]:
         """The scenes of `scenes.jsonl`."""

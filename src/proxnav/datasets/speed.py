@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from proxnav.datasets.files import read_json, write_json
+from proxnav.datasets.numbers import finite_numbers
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
 
@@ -65,7 +66,7 @@ def _entry(record: PoseRecord) -> dict[str, Any]:
 
 def _record(entry: Any, where: str) -> PoseRecord:
     if not isinstance(entry, Mapping) or not isinstance(entry.get("filename"), str):
-        raise InputError(f"{where}: expected an object with a 'filename', found {str(entry)[:60]}")
+        raise InputError(f"{where}: expected an object with a 'filename', found {ascii(entry)[:60]}")
     where = f"{where} ({entry['filename']})"
     key = next((key for key in QUATERNION_KEYS if key in entry), None)
     if key is None or POSITION_KEY not in entry:
@@ -87,10 +88,4 @@ def _covariance(entry: Mapping[str, Any], where: str) -> np.ndarray | None:
 
 
 def _numbers(value: Any, count: int, where: str, key: str) -> np.ndarray:
-    try:
-        numbers = np.array(value, dtype=np.float64).ravel()
-    except (TypeError, ValueError, OverflowError):
-        numbers = np.array([])
-    if numbers.size != count or not np.isfinite(numbers).all():
-        raise InputError(f"{where}: {key} needs {count} finite numbers, found {str(value)[:60]}")
-    return numbers
+    return finite_numbers(value, count, f"{where}: {key}")

@@ -9,6 +9,7 @@ import numpy as np
 from proxnav.errors import InputError
 
 _KEYS = ("Nu", "Nv", "cameraMatrix", "distCoeffs")
+_LARGEST = 1e9  # px; arithmetic on larger numbers overflows
 _PIXEL_PITCH_M = 5.86e-6  # of the SPEED+ camera; only the derived focal length in metres depends on it
 
 
@@ -25,7 +26,9 @@ def read_speed_json(path: str | Path) -> dict[str, Any]:
         K = np.array(content["cameraMatrix"], dtype=np.float64).reshape(3, 3)
         k = np.array(content["distCoeffs"], dtype=np.float64).reshape(5)
         width, height = _whole(content["Nu"]), _whole(content["Nv"])
-    except (TypeError, ValueError) as error:
+        if not (np.abs(K) <= _LARGEST).all() or not (np.abs(k) <= _LARGEST).all():
+            raise ValueError(f"a number is not finite or beyond {_LARGEST:g}")
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"{path}: cameraMatrix must be 3x3 numbers, distCoeffs 5 numbers, Nu and Nv integers ({error})"
         ) from None

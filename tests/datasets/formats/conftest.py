@@ -1,18 +1,11 @@
-"""Small data sets of every kind, and what a round trip has to keep."""
+"""A small data set, on disk and read."""
 
 from pathlib import Path
 
-import numpy as np
 import pytest
+from tests.datasets.formats.small_sets import make_dataset
 
-from boxcraft import boxcraft
 from proxnav.datasets.formats import Labels, read_labels
-from proxnav.datasets.labelling import label_frame
-from proxnav.datasets.records import SceneSpec, SunSpec
-from proxnav.datasets.writer import DatasetWriter
-from proxnav.geometry import Camera, quaternion
-
-CAMERA = Camera(64, 48, 60.0, 61.0, 32.0, 24.0, (-0.1, 0.02, 0.0, 0.001, 0.0))
 
 
 @pytest.fixture
@@ -24,26 +17,3 @@ def dataset(tmp_path: Path) -> Path:
 @pytest.fixture
 def labels(dataset: Path) -> Labels:
     return read_labels(dataset)
-
-
-def make_dataset(folder: Path, count: int = 6) -> Path:
-    rng = np.random.default_rng(7)
-    ranges = np.linspace(8.0, 100.0, count)
-    scenes = [
-        SceneSpec(
-            index + 3,
-            "boxcraft",
-            CAMERA,
-            tuple(q),
-            (0.02 * z, -0.03 * z, z),
-            SunSpec((0.6, 0.0, 0.8)),
-        )
-        for index, (q, z) in enumerate(zip(quaternion.random(rng, count).tolist(), ranges.tolist(), strict=True))
-    ]
-    writer, target = DatasetWriter(folder), boxcraft()
-    for scene in writer.begin(scenes, target):
-        image = rng.integers(0, 255, (CAMERA.height, CAMERA.width), dtype=np.uint8)
-        mask = np.zeros(image.shape, dtype=bool)
-        mask[10:20, 20 : 31 + scene.index] = True
-        writer.add(scene, image, mask, label_frame(scene, target, mask, np.arange(8) % 3 > 0))
-    return writer.finish(scenes, target)

@@ -8,8 +8,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.datasets.formats.small_sets import make_dataset
 
-from proxnav.datasets.formats import READERS, Labels, ReadOptions, read_labels, read_pose_records, write_labels
+from proxnav.datasets.formats import (
+    READERS,
+    WRITERS,
+    Labels,
+    ReadOptions,
+    WriteOptions,
+    read_labels,
+    read_pose_records,
+    write_labels,
+)
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.speed import PoseRecord
 from proxnav.errors import InputError
@@ -203,3 +213,58 @@ def test_html_in_a_name_is_a_name(tmp_path: Path) -> None:
     records = read_pose_records(tmp_path / "s.csv")
     assert isinstance(records["<b onload=x>.png"], PoseRecord)
     np.testing.assert_array_equal(records["<b onload=x>.png"].T_cam_target.t_m, [0.0, 0.0, 9.0])
+
+
+def _leaves(content: object, path: tuple = ()) -> list[tuple]:
+    """Paths to everything below `content`."""
+    inner = content.items() if isinstance(content, dict) else enumerate(content) if isinstance(content, list) else ()
+    return [path, *(leaf for key, value in inner for leaf in _leaves(value, (*path, key)))]
+
+
+def _with(content: object, path: tuple, value: object) -> object:
+    """`content` with `value` at `path`."""
+    if not path:
+        return value
+    changed = dict(content) if isinstance(content, dict) else list(content)
+    changed[path[0]] = _with(content[path[0]], path[1:], value)
+    return changed
+
+
+@pytest.fixture(scope="module")
+def valid_sets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """One small set of every format, each in its folder."""
+    labels = read_labels(make_dataset(tmp_path_factory.mktemp("valid") / "set", 2))
+    folder = tmp_path_factory.mktemp("formats")
+    options = WriteOptions(split="lightbox/test", images="none")
+    return {format: write_labels(labels, folder / format, format, options) for format in WRITERS}
+
+
+@settings(max_examples=250, deadline=None)
+@given(format=st.sampled_from([*WRITERS]), data=st.data())
+def test_any_change_of_a_valid_set_is_a_value_or_a_sentence(valid_sets, format, data) -> None:
+    folder = valid_sets[format]
+    path = data.draw(st.sampled_from(sorted(p for p in folder.rglob("*") if p.suffix in (".json", ".csv"))))
+    before = path.read_bytes()
+    if path.suffix == ".json":
+        content = json.loads(before)
+        leaf = data.draw(st.sampled_from(_leaves(content)))
+        path.write_text(json.dumps(_with(content, leaf, data.draw(values))))
+    else:
+        rows = [line.split(",") for line in before.decode().splitlines()]
+        row = data.draw(st.sampled_from(rows))
+        row[data.draw(st.integers(0, len(row) - 1))] = data.draw(cells)
+        path.write_text("\n".join(map(",".join, rows)), encoding="utf-8", errors="replace")
+    try:
+        tables = [] if format in ("proxnav", "urso", "speed+", "speed", "bop") else sorted(folder.rglob("*.csv"))
+        for source in (folder, *tables):
+            value_or_sentence_of_its_own(source, format)
+    finally:
+        path.write_bytes(before)
+
+
+def value_or_sentence_of_its_own(path: Path, format: str) -> None:
+    """As above, with nothing but what the set itself says; read through to the keypoints."""
+    for name in ("auto", format):
+        found = outcome(lambda name=name: read_labels(path, name))
+        assert isinstance(found, Labels | InputError)
+        assert "\n" not in str(found) or isinstance(found, Labels)

@@ -15,6 +15,7 @@ from proxnav.datasets.formats.labels import LabelRecord, Labels
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions
 from proxnav.datasets.formats.places import existing
+from proxnav.datasets.numbers import finite_numbers
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.targets.points import load_points
@@ -92,19 +93,16 @@ def _chosen(entries: Any, where: str, options: ReadOptions) -> tuple[int, Any]:
 
 
 def _pose(entry: Any, where: str) -> Pose:
-    R = np.array(entry["cam_R_m2c"], dtype=np.float64)
-    t = np.array(entry["cam_t_m2c"], dtype=np.float64)
-    if R.size != 9 or t.size != 3 or not np.isfinite(R).all() or not np.isfinite(t).all():
-        raise InputError(f"{where}: cam_R_m2c needs 9 finite numbers and cam_t_m2c 3, found {R.size} and {t.size}")
-    return Pose.from_matrix("cam", "target", R.reshape(3, 3), t.ravel() / MM)
+    R = finite_numbers(entry["cam_R_m2c"], 9, f"{where}: cam_R_m2c").reshape(3, 3)
+    return Pose.from_matrix("cam", "target", R, finite_numbers(entry["cam_t_m2c"], 3, f"{where}: cam_t_m2c") / MM)
 
 
 def _camera(entry: Any, size: tuple[int, int]) -> Camera:
     """The camera of one image, with its own K and the set's size (width, height)."""
-    K = np.array(entry["cam_K"], dtype=np.float64).reshape(3, 3)
+    K = finite_numbers(entry["cam_K"], 9, "cam_K").reshape(3, 3)
     width, height = size
     shift = 0.5 if entry.get("pixel_origin") == "centre" else 0.0
-    distortion = tuple(float(value) for value in entry.get("distortion", (0.0,) * 5))
+    distortion = tuple(finite_numbers(entry.get("distortion", (0.0,) * 5), 5, "distortion").tolist())
     cx, cy = float(K[0, 2]) + shift, float(K[1, 2]) + shift
     return Camera(width, height, float(K[0, 0]), float(K[1, 1]), cx, cy, distortion)  # pyright: ignore[reportArgumentType]
 
@@ -132,9 +130,7 @@ def _image(scene: Path, key: int) -> Path | None:
 def _box(info: Any, where: str) -> np.ndarray | None:
     if "bbox_obj" not in info:
         return None
-    x, y, w, h = np.array(info["bbox_obj"], dtype=np.float64)
-    if not np.isfinite([x, y, w, h]).all():
-        raise InputError(f"{where}: bbox_obj in scene_gt_info.json is not finite")
+    x, y, w, h = finite_numbers(info["bbox_obj"], 4, f"{where}: bbox_obj of scene_gt_info.json")
     return np.array([x, y, x + w, y + h]) if w > 0 and h > 0 else None
 
 

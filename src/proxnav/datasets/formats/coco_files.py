@@ -17,6 +17,7 @@ from proxnav.datasets.formats.labels import LabelRecord, Labels, box_of, from_fr
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, flat_names, mask_beside, place, write_camera
+from proxnav.datasets.numbers import finite_numbers
 from proxnav.datasets.records import FrameLabel
 from proxnav.errors import InputError
 from proxnav.geometry import Pose
@@ -135,15 +136,15 @@ def _record(entry: Any, name: str, path: Path, shift: float) -> LabelRecord:
     image, mask = existing(path.parent / "images", name), mask_beside(path.parent / "masks", name)
     if entry is None:
         return LabelRecord(name, None, "no_pose", image=image, mask=mask)
-    uvf = np.array(entry["keypoints"], dtype=np.float64).reshape(-1, 3)
-    x, y, w, h = (float(value) for value in entry["bbox"])
-    if not np.isfinite(uvf).all() or not np.isfinite([x, y, w, h]).all():
-        raise InputError(f"{path}: annotation of '{name}' holds numbers that are not finite")
+    where = f"{path}: annotation of '{name}':"
+    uvf = finite_numbers(entry["keypoints"], None, f"{where} keypoints").reshape(-1, 3)
+    x, y, w, h = finite_numbers(entry["bbox"], 4, f"{where} bbox")
     if not np.isin(uvf[:, 2], (0.0, 1.0, 2.0)).all():
         raise InputError(f"{path}: annotation of '{name}' has a visibility other than 0, 1 and 2")
     T = None
     if "q_cam_target" in entry:
-        T = Pose.from_wxyz("cam", "target", entry["q_cam_target"], entry["t_cam_target"])
+        q = finite_numbers(entry["q_cam_target"], 4, f"{where} q_cam_target")
+        T = Pose.from_wxyz("cam", "target", q, finite_numbers(entry["t_cam_target"], 3, f"{where} t_cam_target"))
     return LabelRecord(
         name, T, "ok" if T is not None else "no_pose", keypoints_px=uvf[:, :2] + shift, visibility=uvf[:, 2],
         box_xyxy=np.array([x, y, x + w, y + h]) if w > 0 and h > 0 else None, image=image, mask=mask,

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.datasets.files import write_atomic
+from proxnav.datasets.numbers import LARGEST
 from proxnav.errors import InputError
 
 MAX_BYTES = 512 * 2**20
@@ -48,7 +49,7 @@ def numbers(cells: Sequence[str], where: str) -> Float[np.ndarray, "n"]:
             values[index] = float(cell)
         except ValueError:
             raise InputError(f"{where}: expected a number, found {cell[:40]!a}") from None
-        if not np.isfinite(values[index]):
+        if not abs(values[index]) <= LARGEST:
             raise InputError(f"{where}: expected a finite number, found {cell[:40]!a}")
     return values
 
