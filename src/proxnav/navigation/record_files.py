@@ -52,7 +52,9 @@ TABLES = {
         {"r_eci": Range(6.4e6, 5e7, "m"), "v_eci": Range(1e3, 1.2e4, "m/s")},
     ),
     "gyro": _Table(("t_s", *_vector("rate", "rad_s")), {"rate": Range(1e-6, 0.3, "rad/s")}),
-    "accelerometer": _Table(("t_s", *_vector("force", "mps2")), {"force": Range(0.0, 0.3, "m/s^2", row=50.0)}),
+    "accelerometer": _Table(
+        ("t_s", *_vector("force", "mps2"), "thrust"), {"force": Range(0.0, 0.3, "m/s^2", row=50.0)}
+    ),
     "gnss": _Table(
         ("t_s", "received_s", *_vector("r_eci", "m"), *_vector("v_eci", "mps"), "sigma_r_m", "sigma_v_mps"),
         {"r_eci": Range(1.0, 2e4, "m"), "v_eci": Range(1e-5, 50.0, "m/s"), "sigma_r": Range(1e-4, 100.0, "m"),
@@ -121,7 +123,7 @@ def _rows(records: SensorRecords) -> dict[str, np.ndarray]:
     if (g := records.gyro) is not None:
         out["gyro"] = np.c_[g.t, g.rate]
     if (a := records.accelerometer) is not None:
-        out["accelerometer"] = np.c_[a.t, a.specific_force]
+        out["accelerometer"] = np.c_[a.t, a.specific_force, a.thrust]
     if (n := records.gnss) is not None:
         out["gnss"] = np.c_[n.t, n.received, n.position_m, n.velocity_mps, n.sigma_position_m, n.sigma_velocity_mps]
     if (s := records.star_tracker) is not None:
@@ -149,14 +151,14 @@ def _records(epoch: str, found: Mapping[str, np.ndarray]) -> SensorRecords:
     def flat(parts: list[np.ndarray], *which: int) -> list[np.ndarray]:
         return [part[:, 0] if i in which else part for i, part in enumerate(parts)]
 
-    e, g, a = columns("ephemeris", 1, 4), columns("gyro", 1), columns("accelerometer", 1)
+    e, g, a = columns("ephemeris", 1, 4), columns("gyro", 1), columns("accelerometer", 1, 4)
     n, s, p = columns("gnss", 1, 2, 5, 8, 9), columns("star_tracker", 1, 2, 6), columns("poses", 1, 2, 6, 9)
     assert e is not None
     return SensorRecords(
         epoch,
         EphemerisData(*flat(e, 0)),
         gyro=GyroData(*flat(g, 0)) if g else None,
-        accelerometer=AccelerometerData(*flat(a, 0)) if a else None,
+        accelerometer=AccelerometerData(*flat(a, 0, 2)) if a else None,
         gnss=GnssData(*flat(n, 0, 1, 4, 5)) if n else None,
         star_tracker=StarTrackerData(*flat(s, 0, 1)) if s else None,
         keypoints=_keypoints(found["keypoints"]) if "keypoints" in found else None,

@@ -9,6 +9,7 @@ from proxnav.navigation.sensors.gauss_markov import gauss_markov
 from proxnav.navigation.truth import Truth
 
 _DEG_PER_HOUR = np.pi / 180.0 / 3600.0
+_MORE_THAN_DRAG = 1e-5  # m/s^2
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,9 @@ def read_gyro(truth: Truth, config: GyroConfig, rng: np.random.Generator) -> Gyr
 
 
 def read_accelerometer(truth: Truth, config: AccelerometerConfig, rng: np.random.Generator) -> AccelerometerData:
-    """One reading each truth step."""
+    """One reading each truth step, with the state of the thrusters."""
     bias = config.bias_sigma_mps2 * rng.normal(size=3)
     scale = 1.0 + config.scale_sigma * rng.normal(size=3)
     noise = config.noise_mps_per_sqrt_s / np.sqrt(truth.step_s) * rng.normal(size=(len(truth), 3))
-    return AccelerometerData(truth.t, truth.specific_force * scale + bias + noise)
+    thrust = (np.linalg.norm(truth.specific_force, axis=1) > _MORE_THAN_DRAG).astype(np.float64)
+    return AccelerometerData(truth.t, truth.specific_force * scale + bias + noise, thrust)
