@@ -4,6 +4,8 @@ import os
 import signal
 from pathlib import Path
 
+from proxnav.errors import InputError
+
 
 class Square:
     """A job that can be pickled: builds the function that squares."""
@@ -34,5 +36,23 @@ class Fail:
     def __call__(self):
         def work(x: int) -> int:
             raise ValueError(f"cannot do {x}")
+
+        return work
+
+
+class CannotBegin:
+    """A job whose tool is not there."""
+
+    def __call__(self):
+        raise InputError("no tool here; install it")
+
+
+class Interrupted:
+    """A job whose worker gets Ctrl-C at each item."""
+
+    def __call__(self):
+        def work(x: int) -> int:
+            os.kill(os.getpid(), signal.SIGINT)
+            return x
 
         return work

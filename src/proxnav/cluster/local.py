@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -84,8 +85,21 @@ _job: Callable[[Any], Any] | None = None  # one per worker process, set by its i
 
 
 def _build(make_job: Callable[[], Callable[[Any], Any]]) -> None:
+    """Builds the job; what goes wrong is said by its first item, since a pool only says that it broke.
+
+    Ctrl-C reaches every process of a terminal: workers leave it to the one that they work for, which may want to save.
+    """
     global _job
-    _job = make_job()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        _job = make_job()
+    except Exception as error:
+        failure = error
+
+        def refuse(item: Any) -> Any:
+            raise failure
+
+        _job = refuse
 
 
 def _build_politely(make_job: Callable[[], Callable[[Any], Any]]) -> None:
