@@ -55,3 +55,17 @@ def test_the_overview_imports_nothing_heavy():
 
 def test_estimating_never_loads_torch_nor_blender():
     assert _loaded("import proxnav.estimator, proxnav.commands.estimate", ("torch", "bpy")) == []
+
+
+def test_a_path_that_the_system_refuses_is_one_sentence(capsys, tmp_path):
+    name = str(tmp_path / ("n" * 300))
+    assert main(["target", "show", name]) == 1
+    error = capsys.readouterr().err
+    assert "too long" in error
+    assert len(error.splitlines()) == 1
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    command = f'{sys.executable} -c \'from proxnav.cli import main; main(["target", "show", "space-rider"])\''
+    done = subprocess.run(["bash", "-c", f"{command} | head -n 1"], capture_output=True, text=True, check=True)
+    assert done.stderr == ""

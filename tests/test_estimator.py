@@ -130,3 +130,21 @@ def test_true_keypoints_give_the_true_pose_with_its_covariance(model, rng):
     assert result.status == "ok"
     np.testing.assert_allclose(result.T_cam_target.matrix(), T.matrix(), atol=1e-5)
     assert (np.linalg.eigvalsh(result.covariance) > 0).all()
+
+
+@pytest.mark.parametrize(
+    "change", [["a", "list"], {"detector": "guess"}, {"detector": ["heatmap"]}, {"keypoints_m": [[1, 2], [3]]},
+               {"keypoints_m": [[10**400, 0, 0]]}, {"settings": 3}, {"keypoint_names": ["one"]}],
+)  # fmt: skip
+def test_a_model_card_of_another_shape_is_refused(model, tmp_path, change):
+    for path in model.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    card = json.loads((model / "model.json").read_text())
+    (tmp_path / "model.json").write_text(json.dumps(change if isinstance(change, list) else card | change))
+    with pytest.raises(InputError, match=r"model\.json"):
+        PoseEstimator.load(str(tmp_path), "onnxruntime")
+
+
+def test_fewer_threads_than_none_are_refused(model):
+    with pytest.raises(InputError, match="threads"):
+        PoseEstimator.load(str(model), threads=-1)

@@ -1,5 +1,6 @@
 """The command line: finds the command's module and hands over; nothing else is imported before that."""
 
+import os
 import sys
 from importlib import import_module
 
@@ -18,6 +19,8 @@ COMMANDS = {
     "benchmark": "measured tables beside their references",
     "setup": "install what proxnav cannot bring itself: blender",
 }
+
+_RESUMABLE = {"demo", "render", "train", "benchmark", "setup"}
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -46,8 +49,17 @@ def _run(command: str, argv: list[str]) -> int:
         print(f"proxnav {command}: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print(f"proxnav {command}: interrupted; the same command resumes it", file=sys.stderr)
+        resumes = "; the same command resumes it" if command in _RESUMABLE else ""
+        print(f"proxnav {command}: interrupted{resumes}", file=sys.stderr)
         return 130
+    except BrokenPipeError:  # the reader of our output, such as `head`, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        if error.filename is None:
+            raise
+        reason = f"{error.filename}: {error.strerror}; check the path and its permissions"
+        print(f"proxnav {command}: {reason}", file=sys.stderr)
+        return 1
     return 0
 
 

@@ -51,9 +51,13 @@ class PoseEstimator:
         """A shipped model by name, or any folder with a `model.json`."""
         folder = _folder(name_or_path)
         card = read_json(folder / "model.json", "the description of a model")
+        if not isinstance(card, dict) or card.get("detector") not in list(_DETECTORS):
+            raise InputError(f"{folder / 'model.json'}: expected a detector among {', '.join(_DETECTORS)}")
         try:
             return _assemble(folder, card, backend, threads)
-        except (KeyError, TypeError) as error:
+        except InputError:
+            raise
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(
                 f"{folder / 'model.json'}: {type(error).__name__} {error}; export the model again"
             ) from None

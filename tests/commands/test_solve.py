@@ -156,3 +156,21 @@ def test_a_camera_without_a_key_is_one_sentence(work: Path, capsys: pytest.Captu
     (work / "camera.json").write_text('{"Nu": 3}')
     assert solve() == 1
     assert "camera.json" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "entry", [{"image_id": [1], "keypoints": [1, 2, 1]}, {"image_id": 1, "keypoints": [10**400] * 3}]
+)
+def test_entries_of_impossible_kinds_are_one_sentence(work: Path, entry: dict, capsys: pytest.CaptureFixture):
+    (work / "keypoints.json").write_text(json.dumps([entry]))
+    assert solve() == 1
+    assert "entry 0" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", ["5", '{"keypoints_m": 7}', '{"points": [[0, 0, 1e999]], "names": 3}', "[[1, 2]]"])
+def test_files_that_hold_no_points_are_one_sentence(work: Path, content: str, capsys: pytest.CaptureFixture):
+    (work / "points.json").write_text(content)
+    assert solve() == 1
+    error = capsys.readouterr().err
+    assert "points.json" in error
+    assert len(error.splitlines()) == 1

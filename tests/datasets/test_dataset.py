@@ -1,6 +1,7 @@
 import json
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -144,3 +145,33 @@ def test_png_keeps_every_value(tmp_path_factory, dtype, shape, seed):
 
 def test_a_scene_differs_when_its_range_does():
     assert replace(scene(), t_cam_target_m=(0.0, 0.0, 9.0)) != scene()
+
+
+def test_a_data_set_goes_not_into_a_file(tmp_path):
+    (tmp_path / "set").write_text("mine")
+    with pytest.raises(InputError, match="is a file"):
+        write(tmp_path / "set", [scene()])
+    assert (tmp_path / "set").read_text() == "mine"
+
+
+@pytest.mark.parametrize("line", ["[1, 2]", "7", "null", '{"version": 1, "index"'])
+def test_a_line_that_is_no_scene_is_named(tmp_path, line):
+    folder = write(tmp_path, [scene()]).finish([scene()], boxcraft())
+    (folder / "scenes.jsonl").write_text(line + "\n")
+    with pytest.raises(InputError, match="line 1"):
+        list(Dataset(folder).scenes())
+    (folder / "scenes.jsonl").unlink()
+    with pytest.raises(InputError, match="scenes.jsonl: no such file"):
+        list(Dataset(folder).scenes())
+
+
+def test_a_picture_of_floating_point_numbers_is_refused(tmp_path):
+    cv2.imwrite(str(tmp_path / "radiance.tiff"), np.ones((4, 4), np.float32))
+    with pytest.raises(InputError, match="float32"):
+        read_image(tmp_path / "radiance.tiff")
+
+
+def test_sixteen_bit_colour_keeps_its_bits_and_its_order(tmp_path):
+    image = np.random.default_rng(1).integers(0, 2**16, (5, 6, 3), dtype=np.uint16)
+    (tmp_path / "deep.png").write_bytes(encode_png(image))
+    np.testing.assert_array_equal(read_image(tmp_path / "deep.png"), image)

@@ -9,6 +9,7 @@ import tyro
 
 from proxnav.commands.progress import progress
 from proxnav.datasets.dataset import Dataset, read_image
+from proxnav.datasets.files import check_new_file, inside
 from proxnav.datasets.speed import PoseRecord, write_poses
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
@@ -39,6 +40,7 @@ class EstimateConfig:
 def main(argv: list[str]) -> None:
     """Entry of `proxnav estimate`."""
     config = tyro.cli(EstimateConfig, args=argv, prog="proxnav estimate")
+    check_new_file(config.out)
     images = find_images(config.input)
     camera = Camera.from_speed_json(str(config.camera or _camera_of(config.input)))
     estimator = PoseEstimator.load(config.model, config.backend, config.threads)
@@ -61,7 +63,7 @@ def estimate_images(estimator: PoseEstimator, images: Sequence[Path], camera: Ca
 def find_images(source: Path) -> list[Path]:
     """The images that `source` names, sorted by name or in the data set's order."""
     if (source / "annotations.json").is_file():
-        return [source / "images" / label.filename for label in Dataset(source).labels]
+        return [inside(source / "images", label.filename) for label in Dataset(source).labels]
     if source.is_dir():
         images = sorted(path for path in source.iterdir() if path.suffix.lower() in _IMAGES)
         if not images:
@@ -77,7 +79,10 @@ def _estimate(estimator: PoseEstimator, path: Path, camera: Camera) -> PoseRecor
         image = read_image(path)
     except InputError:
         return PoseRecord(path.name, None, "bad_image")
-    result = estimator(image, camera)
+    try:
+        result = estimator(image, camera)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     return PoseRecord(path.name, result.T_cam_target, result.status, result.covariance)
 
 

@@ -11,6 +11,7 @@ import tyro
 from jaxtyping import Float
 
 from proxnav.commands.progress import progress
+from proxnav.datasets.files import check_new_file
 from proxnav.datasets.speed import PoseRecord, write_poses
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
@@ -42,6 +43,7 @@ class SolveConfig:
 def main(argv: list[str]) -> None:
     """Entry of `proxnav solve`."""
     config = tyro.cli(SolveConfig, args=argv, prog="proxnav solve")
+    check_new_file(config.out)
     camera = Camera.from_speed_json(str(config.camera))
     points_m = target_points(config.target, config.subset)
     keypoints = read_keypoints(config.keypoints, config.pixel_origin)

@@ -82,6 +82,8 @@ class Dataset:
     def scenes(self) -> Iterator[SceneSpec]:
         """The scenes of `scenes.jsonl`."""
         path = self.folder / "scenes.jsonl"
+        if not path.is_file():
+            raise InputError(f"{path}: no such file; only sets that proxnav rendered can be drawn again")
         with path.open(encoding="utf-8") as lines:
             for number, line in enumerate(lines, 1):
                 try:
@@ -109,6 +111,8 @@ def read_image(path: Path) -> np.ndarray:
         image = None
     if image is None:
         raise InputError(f"{path}: not a readable image; it is damaged or of a format that OpenCV does not know")
+    if image.dtype not in (np.uint8, np.uint16):
+        raise InputError(f"{path}: holds {image.dtype} pixels; expected an image of 8 or 16 bits")
     if image.ndim == 3:
         image = np.ascontiguousarray(image[..., 2::-1])
     return image

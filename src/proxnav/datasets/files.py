@@ -13,8 +13,18 @@ MAX_JSON_BYTES = 2**30
 
 
 def write_atomic(path: Path, content: bytes) -> None:
-    """Writes `content` to `path` so that a reader sees all of it or none: temporary file beside it, then rename."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Writes `content` to `path` so that a reader sees all of it or none: temporary file beside it, then rename.
+
+    InputError where the place cannot be written to.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _replace(path, content)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); give another place to write to") from None
+
+
+def _replace(path: Path, content: bytes) -> None:
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     try:
         with os.fdopen(handle, "wb") as file:
@@ -24,6 +34,15 @@ def write_atomic(path: Path, content: bytes) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def check_new_file(path: Path) -> None:
+    """InputError where no file can be written at `path`: to be asked before hours of work, not after."""
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; name the file to write")
+    above = next(folder for folder in path.absolute().parents if folder.exists())
+    if not (above.is_dir() and os.access(above, os.W_OK)):
+        raise InputError(f"{path}: cannot be written because {above} is no folder that one may write in")
 
 
 def write_json(path: Path, content: Any, indent: int | None = None) -> None:

@@ -37,6 +37,8 @@ class DatasetWriter:
         """
         lines = "".join(json.dumps(scene.to_json(), allow_nan=False) + "\n" for scene in scenes).encode()
         path = self.folder / "scenes.jsonl"
+        if self.folder.exists() and not self.folder.is_dir():
+            raise InputError(f"{self.folder} is a file; a data set is a folder, give another --out")
         if path.exists() and path.read_bytes() != lines:
             raise InputError(
                 f"{self.folder} holds another data set; resume it with its own options or give another --out"

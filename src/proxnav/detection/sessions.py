@@ -17,12 +17,18 @@ def open_session(path: Path, backend: Backend = "auto", threads: int = 0) -> Ses
     """A graph ready to run; `threads` 0 takes all cores. InputError when the file is absent or damaged."""
     if not path.is_file():
         raise InputError(f"{path}: no such model file; give the name of a shipped model or a folder with model.json")
+    if threads < 0:
+        raise InputError(f"threads must be 0 (all cores) or more, found {threads}")
+    if backend == "openvino" and not _can_import_openvino():
+        raise InputError("OpenVINO is not installed; pip install openvino, or choose the backend onnxruntime")
     if backend == "auto":
         backend = "openvino" if _has_bfloat16() and _can_import_openvino() else "onnxruntime"
     try:
         return _openvino(path, threads) if backend == "openvino" else _onnxruntime(path, threads)
     except RuntimeError as error:
-        raise InputError(f"{path}: not a graph that {backend} can run ({str(error).splitlines()[0]})") from None
+        raise InputError(
+            f"{path}: not a graph that {backend} can run ({(str(error).splitlines() or ['no reason given'])[0]})"
+        ) from None
 
 
 def _onnxruntime(path: Path, threads: int) -> Session:

@@ -75,7 +75,7 @@ def _record(entry: Any, names: Mapping[Any, str], shift: float, where: str) -> K
     if not isinstance(entry, Mapping) or "keypoints" not in entry or not {"image_id", "file_name"} & set(entry):
         found = ", ".join(map(str, entry)) if isinstance(entry, Mapping) else type(entry).__name__
         raise InputError(f"{where}: needs keypoints and image_id or file_name, found {found}")
-    filename = str(entry["file_name"]) if "file_name" in entry else names.get(entry["image_id"], str(entry["image_id"]))
+    filename = str(entry["file_name"]) if "file_name" in entry else _image_name(entry["image_id"], names, where)
     where = f"{where} ({filename})"
     triples = _numbers(entry["keypoints"], where, "keypoints")
     if triples.size == 0 or triples.size % 3:
@@ -86,6 +86,12 @@ def _record(entry: Any, names: Mapping[Any, str], shift: float, where: str) -> K
     score = entry.get("score")
     whole = float(score) if isinstance(score, int | float) else float(scores.mean())
     return KeypointRecord(filename, triples[:, :2] + shift, scores, covariances, whole)
+
+
+def _image_name(image_id: Any, names: Mapping[Any, str], where: str) -> str:
+    if not isinstance(image_id, int | str):
+        raise InputError(f"{where}: image_id must be a number or a name, found {str(image_id)[:60]}")
+    return names.get(image_id, str(image_id))
 
 
 def _covariances(values: Any, n: int, where: str) -> np.ndarray | None:
@@ -102,5 +108,5 @@ def _covariances(values: Any, n: int, where: str) -> np.ndarray | None:
 def _numbers(values: Any, where: str, key: str) -> np.ndarray:
     try:
         return np.array(values, dtype=np.float64).ravel()
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{where}: {key} must be numbers in rows of equal length, found {str(values)[:60]}") from None

@@ -35,6 +35,7 @@ def load_points(path: Path | str) -> Loaded:
 
 
 def _checked(path: Path, points: np.ndarray, names: list[str] | None) -> Loaded:
+    points = np.atleast_1d(points)
     names = names or [f"p{i:02d}" for i in range(len(points))]
     if points.ndim != 2 or points.shape[1] != 3 or not 4 <= len(points) <= MAX_POINTS:
         raise InputError(f"{path}: found points of shape {points.shape}; a pose needs 4 to {MAX_POINTS} of x, y, z")
@@ -72,6 +73,7 @@ def _from_json(path: Path) -> tuple[np.ndarray, list[str] | None]:
     if isinstance(content, dict):
         found = [name for name in _JSON_NAMES if name in content]
         names = content.get("keypoint_names") or content.get("names")
+        names = names if isinstance(names, list) else None
         if found:
             content = content[found[0]]
         if isinstance(content, dict):
@@ -81,7 +83,10 @@ def _from_json(path: Path) -> tuple[np.ndarray, list[str] | None]:
 
 def _from_csv(path: Path) -> tuple[np.ndarray, list[str] | None]:
     with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(file) if any(cell.strip() for cell in row)]
+        try:
+            rows = [[cell.strip() for cell in row] for row in csv.reader(file) if any(cell.strip() for cell in row)]
+        except csv.Error as error:
+            raise InputError(f"{path}: not a csv file ({error})") from None
     if rows and not _is_number(rows[0][-1]):
         rows = rows[1:]
     width = {len(row) for row in rows}
@@ -94,7 +99,7 @@ def _from_csv(path: Path) -> tuple[np.ndarray, list[str] | None]:
 def _array(path: Path, content: Any) -> np.ndarray:
     try:
         points = np.array(content, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{path}: expected triples of numbers [m]") from None
     return points.T if points.ndim == 2 and points.shape[0] == 3 != points.shape[1] else points
 

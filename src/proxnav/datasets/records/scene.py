@@ -93,9 +93,9 @@ class SceneSpec:
         return {"version": VERSION} | asdict(self)
 
     @staticmethod
-    def from_json(content: dict[str, Any]) -> "SceneSpec":
+    def from_json(content: Any) -> "SceneSpec":
         """Inverse of `to_json`; InputError names the missing or unknown field."""
-        found = content.get("version")
+        found = content.get("version") if isinstance(content, dict) else None
         if found != VERSION:
             raise InputError(f"scene line of version {found!r}, this proxnav reads version {VERSION}: render it again")
         return _build(SceneSpec, {key: value for key, value in content.items() if key != "version"}, "scene")

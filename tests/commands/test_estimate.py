@@ -1,0 +1,67 @@
+"""`proxnav estimate` on folders as people have them: damaged pictures, mixed sizes, deep colour."""
+
+import json
+
+import numpy as np
+import pytest
+
+from proxnav.cli import main
+from proxnav.commands import estimate
+from proxnav.datasets.dataset import encode_png
+from proxnav.datasets.records import Keypoints
+from proxnav.datasets.speed import read_poses
+from proxnav.errors import InputError
+from proxnav.estimator import PoseEstimator
+from proxnav.geometry import Camera
+from proxnav.geometry.camera_files import speed_json
+
+CAMERA = Camera(16, 12, 20.0, 20.0, 8.0, 6.0)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Pictures of three kinds and a damaged one, before a detector that finds nothing."""
+    nothing = PoseEstimator(lambda image: Keypoints.none("no_target", 6), np.zeros((6, 3)), ("",) * 6, "x")
+    monkeypatch.setattr(PoseEstimator, "load", staticmethod(lambda *_: nothing))
+    rng = np.random.default_rng(1)
+    for name, shape, most in (("grey", (12, 16), 255), ("colour", (12, 16, 3), 255), ("deep", (12, 16, 3), 65535)):
+        image = rng.integers(0, most, shape, dtype=np.uint8 if most == 255 else np.uint16)
+        (tmp_path / f"{name}.png").write_bytes(encode_png(image))
+    (tmp_path / "torn.png").write_bytes((tmp_path / "grey.png").read_bytes()[:40])
+    (tmp_path / "camera.json").write_text(json.dumps(speed_json(CAMERA)))
+    return tmp_path
+
+
+def test_a_damaged_picture_is_a_status_and_not_the_end(folder, capsys):
+    assert main(["estimate", str(folder), "--out", str(folder / "poses.json")]) == 0
+    statuses = {name: record.status for name, record in read_poses(folder / "poses.json").items()}
+    assert statuses == {name: "no_target" for name in ("colour.png", "deep.png", "grey.png")} | {
+        "torn.png": "bad_image"
+    }
+    assert "0 poses from 4 images" in capsys.readouterr().out
+
+
+def test_a_picture_of_another_size_is_named(folder, capsys):
+    (folder / "large.png").write_bytes(encode_png(np.zeros((20, 20), np.uint8)))
+    assert main(["estimate", str(folder), "--out", str(folder / "poses.json")]) == 1
+    assert "large.png: the image is 20x20 px" in capsys.readouterr().err
+
+
+def test_an_output_that_cannot_be_written_is_refused_before_the_work(folder, monkeypatch, capsys):
+    monkeypatch.setattr(estimate, "estimate_images", lambda *_: pytest.fail("worked for nothing"))
+    assert main(["estimate", str(folder), "--out", str(folder)]) == 1
+    assert "is a folder" in capsys.readouterr().err
+
+
+def test_a_data_set_cannot_name_pictures_outside_itself(folder):
+    entry = {
+        "image_id": 1, "keypoints": [0, 0, 0], "bbox": [0, 0, 1, 1], "q_cam_target": [1, 0, 0, 0],
+        "t_cam_target": [0, 0, 9],
+    }  # fmt: skip
+    document = {
+        "info": {"version": 1}, "categories": [{"keypoints": ["a"]}], "annotations": [entry],
+        "images": [{"id": 1, "file_name": "../../secret.png"}],
+    }  # fmt: skip
+    (folder / "annotations.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match="leads out of"):
+        estimate.find_images(folder)
