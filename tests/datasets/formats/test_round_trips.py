@@ -156,6 +156,16 @@ def test_a_folder_that_holds_something_is_not_written_into(labels: Labels, tmp_p
         write_labels(labels, tmp_path / "out", "speed+")
 
 
+def test_a_conversion_that_fails_leaves_nothing_behind(labels: Labels, tmp_path: Path) -> None:
+    lost = replace(labels.records[-1], T_cam_target=None, status="no_target")
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(InputError, match="no_target"):
+        write_labels(replace(labels, records=(*labels.records[:-1], lost)), tmp_path / "out", "speed+")
+    assert sorted(tmp_path.iterdir()) == before
+    (tmp_path / "out").mkdir()
+    assert len(read_labels(write_labels(labels, tmp_path / "out", "speed+"))) == len(labels)
+
+
 def test_reading_and_writing_know_the_same_formats() -> None:
     assert set(READERS) - set(WRITERS) == {"shirt"}
 

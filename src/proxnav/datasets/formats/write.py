@@ -1,5 +1,7 @@
 """Labels to any known format, into a folder of their own."""
 
+import shutil
+import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -48,6 +50,13 @@ def write_labels(labels: Labels, folder: str | Path, format: str, options: Write
         raise InputError(f"cannot write format '{format}'; one of {', '.join(WRITERS)}")
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: exists and is not an empty folder; give another --out")
-    folder.mkdir(parents=True, exist_ok=True)
-    WRITERS[format](with_projected_keypoints(labels), folder, options)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+    try:
+        WRITERS[format](with_projected_keypoints(labels), unfinished, options)
+        unfinished.chmod(0o755)
+        unfinished.replace(folder)  # an empty folder may be replaced; a reader sees all or nothing
+    except BaseException:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        raise
     return folder
