@@ -1,7 +1,8 @@
 """`proxnav train heatmap` and `proxnav train finder`: every image is drawn fresh while the network learns."""
 
+import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from torch import nn
 from proxnav import presets
 from proxnav.crops import CropConfig, CropJob, WholeFrameJob, sample_source
 from proxnav.datasets.files import write_json
+from proxnav.datasets.run_record import run_record
 from proxnav.detection.heatmap.train import (
     TrainFinderConfig,
     TrainHeatmapConfig,
@@ -70,7 +72,7 @@ def crop(argv: list[str]) -> None:
     crops = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
     training = _for_target(options.training, options.target)
     options.out.mkdir(parents=True, exist_ok=True)
-    write_json(options.out / "config.json", asdict(options) | {"out": None}, indent=1)
+    write_json(options.out / "config.json", json.loads(json.dumps(asdict(options), default=str)), indent=1)
     validate = _validation(replace(crops, seed=_VALIDATION_SEED, scenes=presets.OBSERVATION), options.validation)
     source = sample_source(CropJob(crops), options.workers, options.repeats)
     result = train_heatmap(training, source, options.out, validate)
@@ -80,6 +82,7 @@ def crop(argv: list[str]) -> None:
 def finder(argv: list[str]) -> None:
     """Entry of `proxnav train finder`."""
     options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
+    write_json(options.out / "config.json", run_record(options), indent=1)
     frames = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
     source = sample_source(WholeFrameJob(frames), options.workers, options.repeats)
     result = train_finder(options.training, source, options.out)
