@@ -15,7 +15,7 @@ from torch import nn
 from proxnav.detection.samples import TrainingSample
 from proxnav.detection.training import Learner, LoopConfig, train, warm_up_then_cosine
 from proxnav.detection.training.curve import read_rows
-from proxnav.detection.training.files import load_checkpoint
+from proxnav.detection.training.files import load_checkpoint, load_weights, save_weights
 from proxnav.errors import InputError
 
 CONFIG = LoopConfig(
@@ -205,3 +205,20 @@ def test_the_curve_tells_loss_rate_speed_and_waiting(tmp_path: Path) -> None:
 def test_a_source_that_ends_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="source must go on for ever"):
         train(learner(), lambda start, stride: iter([sample(0)]), CONFIG, tmp_path)
+
+
+def test_weights_start_another_run_under_either_name_and_foreign_ones_are_refused(tmp_path: Path) -> None:
+    net, other = nn.Linear(2, 3), nn.Linear(2, 3)
+    save_weights(tmp_path / "own.safetensors", net.state_dict(), {})
+    exported = {f"net.{name}": value.half() for name, value in net.state_dict().items()}
+    save_weights(tmp_path / "exported.safetensors", exported, {})
+    for name in ("own", "exported"):
+        load_weights(other, tmp_path / f"{name}.safetensors")
+        torch.testing.assert_close(other.weight, net.weight, atol=1e-3, rtol=1e-3)
+    (tmp_path / "torn.safetensors").write_bytes((tmp_path / "own.safetensors").read_bytes()[:20])
+    for place in (tmp_path / "none", tmp_path, tmp_path / "torn.safetensors"):
+        with pytest.raises(InputError, match="no readable safetensors"):
+            load_weights(other, place)
+    for foreign in (nn.Linear(2, 4), nn.Linear(2, 3, bias=False)):
+        with pytest.raises(InputError, match="another network"):
+            load_weights(foreign, tmp_path / "own.safetensors")

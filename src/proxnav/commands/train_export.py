@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import tyro
-from safetensors.torch import load_file
 
 from proxnav import presets
 from proxnav.commands.progress import progress
@@ -15,6 +14,7 @@ from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
 from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
 from proxnav.detection.samples import TrainingSample
 from proxnav.detection.sessions import Session, open_session
+from proxnav.detection.training.files import load_weights
 from proxnav.estimator import write_model_card
 from proxnav.targets.loading import load_target
 
@@ -49,9 +49,9 @@ def main(argv: list[str]) -> None:
     target = load_target(config.target)
     shape = replace(config.net, n_keypoints=len(target.keypoint_names))
     net = HeatmapNet(shape)
-    net.load_state_dict(load_file(config.crop))
+    load_weights(net, config.crop)
     finder = FinderNet(FinderConfig())
-    finder.load_state_dict(load_file(config.finder))
+    load_weights(finder, config.finder)
     outputs = ("points", "scores", "covariances", "shown")
     export(ReadKeypoints(net), outputs, config.side, config.out, "crop")
     export(FindTarget(finder), ("probability",), config.finder_side, config.out, "finder")

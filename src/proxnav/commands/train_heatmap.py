@@ -1,6 +1,5 @@
 """`proxnav train heatmap` and `proxnav train finder`: every image is drawn fresh while the network learns."""
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -71,8 +70,7 @@ def crop(argv: list[str]) -> None:
     options = tyro.cli(TrainCropOptions, args=argv, prog="proxnav train heatmap")
     crops = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
     training = _for_target(options.training, options.target)
-    options.out.mkdir(parents=True, exist_ok=True)
-    write_json(options.out / "config.json", json.loads(json.dumps(asdict(options), default=str)), indent=1)
+    write_json(options.out / "config.json", run_record(options), indent=1)
     validate = _validation(replace(crops, seed=_VALIDATION_SEED, scenes=presets.OBSERVATION), options.validation)
     source = sample_source(CropJob(crops), options.workers, options.repeats)
     result = train_heatmap(training, source, options.out, validate)

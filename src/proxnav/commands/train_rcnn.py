@@ -12,6 +12,8 @@ from proxnav import presets
 from proxnav.commands.progress import progress
 from proxnav.crops import CropConfig, MixedJob, WholeFrameJob, sample_source
 from proxnav.datasets.dataset import Dataset
+from proxnav.datasets.files import write_json
+from proxnav.datasets.run_record import run_record
 from proxnav.detection.images import grey_8_bit
 from proxnav.detection.keypoint_rcnn.calibrate import fit_calibration
 from proxnav.detection.keypoint_rcnn.decode import Calibration
@@ -65,6 +67,7 @@ def main(argv: list[str]) -> None:
     """Entry of `proxnav train keypoint-rcnn`."""
     options = tyro.cli(TrainRcnnOptions, args=argv, prog="proxnav train keypoint-rcnn")
     names, points, indices = _keypoints(options)
+    write_json(options.out / "config.json", run_record(options), indent=1)
     config = _recipe(options, len(names))
     result = train_keypoint_rcnn(config, with_keypoints(_source(options), indices), options.out)
     print(f"{result.reason}: {result.steps} steps, {result.samples} images; {result.weights}")
@@ -104,7 +107,12 @@ def _recipe(options: TrainRcnnOptions, n_keypoints: int) -> TrainKeypointRcnnCon
 
 def _source(options: TrainRcnnOptions) -> SampleSource:
     if options.data is not None:
-        return shuffled(_reader(Dataset(options.data)), len(Dataset(options.data)), seed=0)
+        dataset = Dataset(options.data)
+        if dataset.keypoint_names != load_target(options.target).keypoint_names:
+            raise InputError(
+                f"{options.data} labels other keypoints than target {options.target} has; name the set's --target"
+            )
+        return shuffled(_reader(dataset), len(dataset), seed=0)
     job = MixedJob(CropConfig(options.target, 160, scenes=presets.TRAINING, seed=5), options.side)
     return sample_source(job, options.workers, options.repeats)
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from proxnav.detection.heatmap.augment import AugmentConfig, augment
@@ -18,6 +17,7 @@ from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
 from proxnav.detection.heatmap.pyramid import STRIDE, as_channels_last
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
 from proxnav.detection.training.config import Learner, LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.files import load_weights
 from proxnav.detection.training.loop import train
 from proxnav.detection.training.rates import warm_up_then_cosine
 
@@ -94,7 +94,7 @@ def _learner(
     n_keypoints: int | None,
 ) -> Learner:
     if config.start is not None:
-        net.load_state_dict(_read_weights(config.start))
+        load_weights(net, config.start)
 
     def collate(samples: list[TrainingSample], step: int, rng: np.random.Generator) -> dict[str, Tensor]:
         for sample in samples:
@@ -149,11 +149,6 @@ def _cells(sample: TrainingSample) -> np.ndarray:
     h, w = sample.image.shape
     mask = np.zeros((h, w), np.float32) if sample.mask is None else sample.mask.astype(np.float32)
     return mask.reshape(h // STRIDE, STRIDE, w // STRIDE, STRIDE).mean(axis=(1, 3))
-
-
-def _read_weights(path: Path) -> dict[str, Tensor]:
-    """Weights of a run, or of an exported model (half precision, names under `net.`)."""
-    return {name.removeprefix("net."): value.float() for name, value in load_file(path).items()}
 
 
 def _by_dimension(net: nn.Module) -> tuple[list[nn.Parameter], list[nn.Parameter]]:

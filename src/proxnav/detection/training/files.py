@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from safetensors.torch import save_file
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+from torch import nn
 
 from proxnav.errors import InputError
 
@@ -38,6 +40,25 @@ def load_checkpoint(path: Path) -> dict[str, Any]:
         raise InputError(
             f"{path} is not a readable checkpoint ({type(error).__name__}): delete it to start this run afresh"
         ) from error
+
+
+def load_weights(net: nn.Module, path: Path) -> None:
+    """Copies the weights of `save_weights`, or of an exported model (names begin with `net.`), into a network.
+
+    InputError where the file is absent, damaged, or of another network.
+    """
+    try:
+        state = load_file(path)
+    except (OSError, SafetensorError) as error:
+        raise InputError(f"{path}: no readable safetensors weights ({error}); check the path") from None
+    state = {name.removeprefix("net."): value for name, value in state.items()}
+    own = net.state_dict()
+    foreign = sorted(own.keys() ^ state.keys()) or [name for name in own if own[name].shape != state[name].shape]
+    if foreign:
+        raise InputError(
+            f"{path}: weights of another network, {foreign[0]} does not fit; give its keypoints, trunk and width"
+        )
+    net.load_state_dict(state)
 
 
 def save_weights(path: Path, state: Mapping[str, torch.Tensor], notes: Mapping[str, Any]) -> None:
