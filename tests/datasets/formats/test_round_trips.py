@@ -87,7 +87,7 @@ def test_a_format_named_by_its_name_reads_as_the_recognised_one(labels: Labels, 
 def test_ours_through_speedplus_is_ours_again(labels: Labels, tmp_path: Path) -> None:
     tree = write_labels(labels, tmp_path / "tree", "speed+")
     back = Dataset(write_labels(read_labels(tree), tmp_path / "back", "proxnav"))
-    with pytest.raises(InputError, match="no scenes"):
+    with pytest.raises(InputError, match="only sets that proxnav rendered"):
         next(back.scenes())
     originals = {record.filename: record for record in labels.records}
     np.testing.assert_array_equal(back.keypoints_m, labels.keypoints_m)
