@@ -187,3 +187,10 @@ def test_a_run_folder_says_what_was_asked_and_forgets_the_overlays_of_the_run_be
 
 
 KINDS = ("best", "median", "worst")
+
+
+def test_a_set_is_not_continued_by_another_renderer(six, tmp_path):
+    """The frames that are there would stay, and nothing in the set would tell them from the others."""
+    with pytest.raises(InputError, match="rendered with renderer raycast, not cycles"):
+        render(scenes(6), FrameConfig("cycles"), six.folder, 1)
+    assert len(render(scenes(6), replace(RAYCAST, samples=7), six.folder, 1)) == 6  # samples are of Cycles alone

@@ -11,9 +11,9 @@ from jaxtyping import Bool
 
 from proxnav.cluster.local import run_jobs
 from proxnav.datasets.dataset import Dataset, encode_png
-from proxnav.datasets.files import write_atomic, write_json
+from proxnav.datasets.files import read_json, write_atomic, write_json
 from proxnav.datasets.records import SceneSpec, Trajectory
-from proxnav.datasets.run_record import run_record
+from proxnav.datasets.run_record import plain, run_record
 from proxnav.datasets.speed import PoseRecord, write_poses
 from proxnav.datasets.writer import DatasetWriter
 from proxnav.errors import InputError
@@ -88,12 +88,27 @@ def render(
     target = load_target(scenes[0].target)
     writer = DatasetWriter(out)
     waiting = writer.begin(scenes, target)
+    _record_rendering(out / "config.json", config, is_new=len(waiting) == len(scenes))
     for _ in range(len(scenes) - len(waiting)):
         done()
     job = _WriteJob(FrameJob(scenes[0].target, _share_cores(config, workers)), writer)
     for _ in run_jobs(job, waiting, min(workers, max(1, len(waiting)))):
         done()
     return Dataset(writer.finish(scenes, target))
+
+
+def _record_rendering(path: Path, config: FrameConfig, is_new: bool) -> None:
+    """Says in the data set how it is drawn; InputError where frames of it were drawn in another way."""
+    if is_new:
+        write_json(path, run_record(config), indent=1)
+    elif path.exists():
+        before, now = read_json(path, "how the set was rendered")["options"], plain(config)
+        for name in ("renderer", "samples") if config.renderer == "cycles" else ("renderer",):
+            if before.get(name) != now[name]:
+                raise InputError(
+                    f"{path.parent}: its frames were rendered with {name} {before.get(name)}, not {now[name]}; "
+                    f"resume it with --{name} {before.get(name)} or give another --out"
+                )
 
 
 @dataclass(frozen=True)
