@@ -58,9 +58,8 @@ def main(argv: list[str]) -> None:
     write_json(config.out / "camera.json", speed_json(camera), indent=1)
     ranges = np.linalg.norm(truth.relative[0], axis=1)
     frames = 0 if records.keypoints is None else len(records.keypoints.t)
-    print(
-        f"{truth.t[-1] - truth.t[0]:.0f} s at {ranges.min():.1f} to {ranges.max():.1f} m, {frames} frames in {config.out}"
-    )
+    span = f"{truth.t[-1] - truth.t[0]:.0f} s at {ranges.min():.1f} to {ranges.max():.1f} m"
+    print(f"{span}, {frames} frames in {config.out}")
 
 
 def cut(reference: Trajectory, start_s: float, duration_s: float | None) -> Trajectory:

@@ -15,9 +15,9 @@ from proxnav.errors import InputError
 class FilterNoise:
     """Process noise and first uncertainties, one standard deviation each."""
 
-    acceleration: float = 2e-6
+    acceleration: float = 1e-6
     """White acceleration [m/s^2 per sqrt(Hz)]: what the dynamics leave out."""
-    slow_acceleration: float = 5e-7
+    slow_acceleration: float = 4e-7
     """Differential drag and J2 [m/s^2], as a process that forgets in `slow_tau_s`."""
     slow_tau_s: float = 900.0
     gyro: float = 4.4e-5
@@ -32,7 +32,7 @@ class FilterNoise:
     """First uncertainty of that rate [rad/s]."""
     held_rate: float = 3e-4
     """How wrong the last rate may be where gyro readings are missing [rad/s]."""
-    target_rate_walk: float = 2.6e-5
+    target_rate_walk: float = 2.4e-5
     """Wandering of the target's rate [rad/s per sqrt(s)]."""
     target_rate: float = 5e-4
     """First uncertainty of the target's rate [rad/s]; use 0.05 for a tumbling target."""

@@ -46,22 +46,25 @@ def apply(belief: Belief, event: Event, scene: Scene, steps: list[Step] | None =
         return take_force(belief, event.t, event.values, scene, steps), _APPLIED
     belief = propagate(belief, event.t, scene, steps)
     if event.kind == "star_tracker":
-        return take_star_fix(belief, event.t, *event.values, scene)
+        q, sigma = event.values
+        return take_star_fix(belief, event.t, q, sigma, scene)
     if event.kind == "gnss":
         position, velocity, *sigmas = event.values
         return take_gnss(belief, position, velocity, (sigmas[0], sigmas[1]), scene)
     if event.kind == "poses":
         return _take_pose(belief, event, scene)
-    return take_keypoints(belief, *event.values, scene)
+    pixels, cov = event.values
+    return take_keypoints(belief, pixels, cov, scene)
 
 
 def _take_pose(belief: Belief, event: Event, scene: Scene) -> tuple[Belief, Verdict]:
     """Starts the filter where it needs that; with loose coupling the pose is also measured."""
+    q, t_m, cov = event.values
     started = can_start(belief)
     if started:
-        belief = start(belief, *event.values, scene)
+        belief = start(belief, q, t_m, cov, scene)
     if scene.config.coupling == "loose":
-        belief, verdict = take_pose(belief, *event.values, scene)
+        belief, verdict = take_pose(belief, q, t_m, cov, scene)
         return belief, Verdict("started", verdict.nis, verdict.dof) if started else verdict
     return belief, Verdict("started" if started else "not_started")
 

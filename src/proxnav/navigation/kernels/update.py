@@ -22,7 +22,17 @@ def joseph(P, H, R, y):
     K = np.ascontiguousarray(both[:, :-1].T)
     A = np.eye(len(P)) - K @ H
     out = A @ P @ A.T + K @ R @ K.T
-    return K @ y, 0.5 * (out + out.T), y @ np.ascontiguousarray(both[:, -1])
+    return K @ y, _rounded(out, P), y @ np.ascontiguousarray(both[:, -1])
+
+
+@njit(cache=True)
+@no_type_check
+def _rounded(out, prior):
+    """Symmetric, with the rounding errors of the update (some ulp of the prior) on the safe side of zero."""
+    out = 0.5 * (out + out.T)
+    for i in range(len(out)):
+        out[i, i] += 2e-15 * prior[i, i]
+    return out
 
 
 @njit(cache=True)
@@ -167,6 +177,8 @@ def keypoint_update(x, P, pixels, cov, points, index, R_eci_ric, lens, share, ga
     e, state, nis = np.zeros(len(P)), x, 0.0
     for turn in range(4):
         h, H9 = keypoint_model(state, points, index, R_eci_ric, lens)
+        if not np.isfinite(h).all():  # the step leads behind the camera: too far to be believed
+            return x, P, DISAGREES, used, nis
         M = _times_P(H9, L, index, P)
         S = _times_Ht(M, H9, L, index)
         _add_noise(S, R)
@@ -187,7 +199,7 @@ def keypoint_update(x, P, pixels, cov, points, index, R_eci_ric, lens, share, ga
         B[:, 2 * k : 2 * k + 2] -= Kt[2 * k : 2 * k + 2].T @ R[k]
     out = AP - B @ Kt
     used[index] = True
-    return state, reset(0.5 * (out + out.T), e), ACCEPTED, used, nis
+    return state, reset(_rounded(out, P), e), ACCEPTED, used, nis
 
 
 @njit(cache=True)
