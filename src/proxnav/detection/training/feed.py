@@ -56,6 +56,9 @@ def ahead(items: Iterator[Item], depth: int = 2) -> Generator[Item, None, None]:
                     return
         except BaseException as error:  # handed to the reader, who raises it
             put((None, error))
+        finally:
+            # A source may hold processes that draw: they end here, not when the interpreter waits for them.
+            getattr(items, "close", lambda: None)()
 
     worker = threading.Thread(target=draw, daemon=True, name="batches")
     worker.start()
