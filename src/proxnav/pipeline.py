@@ -34,9 +34,6 @@ from proxnav.trajectories import select, spread
 from proxnav.viewing.overlay import caption, overlay
 from proxnav.viewing.run_folder import overlay_files
 
-RANGE_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 200.0, 400.0, 1e6)
-"""Bins of the table by range."""
-
 
 def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
     """Scenes of a preset, each a function of (seed, index) alone; `size` resamples the square camera."""
@@ -152,8 +149,7 @@ class Judgement:
 
     def text(self) -> str:
         """The study's Table 1 beside ours, errors by range, honesty of the covariances."""
-        bins = by_range(self.frames, RANGE_EDGES_M)
-        return f"{table1(self.summary)}\n\n{range_table(bins)}\n\n{consistency_line(self.consistency)}"
+        return f"{table1(self.summary)}\n\n{range_table(by_range(self.frames))}\n\n{consistency_line(self.consistency)}"
 
 
 def judge(records: Sequence[PoseRecord], dataset: Dataset) -> Judgement:

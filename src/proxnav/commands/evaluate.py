@@ -7,8 +7,6 @@ from typing import Annotated
 
 import tyro
 
-_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 200.0, 400.0, 1e6)
-
 
 @dataclass(frozen=True)
 class EvaluateConfig:
@@ -44,5 +42,5 @@ def run(config: EvaluateConfig) -> None:
         print(json.dumps(metrics(summary, found), indent=1))
         return
     print(table1(summary))
-    print(f"\n{range_table(by_range(frames, _EDGES_M))}")
+    print(f"\n{range_table(by_range(frames))}")
     print(f"\n{consistency_line(found)}")

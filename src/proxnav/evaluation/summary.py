@@ -12,6 +12,8 @@ from proxnav.datasets.speed import PoseRecord
 from proxnav.evaluation.errors import COMBINED, PoseErrors
 from proxnav.evaluation.pairing import Frame, errors_of, pair
 
+RANGE_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 200.0, 400.0, np.inf)
+"""Bins of the table by range."""
 _HALF_TURN_RAD = np.pi / 2.0  # an attitude this wrong took one side of the target for another
 
 
@@ -77,7 +79,7 @@ def summarise_frames(frames: Sequence[Frame]) -> Summary:
     )
 
 
-def by_range(frames: Sequence[Frame], edges_m: Sequence[float]) -> dict[tuple[float, float], Summary]:
+def by_range(frames: Sequence[Frame], edges_m: Sequence[float] = RANGE_EDGES_M) -> dict[tuple[float, float], Summary]:
     """One summary per range bin [edge, next edge) that holds frames."""
     found = {}
     for near, far in pairwise(edges_m):

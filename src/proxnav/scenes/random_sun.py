@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from proxnav.datasets.records import SunSpec
+from proxnav.datasets.records.scene import SUN_HALF_ANGLE
 from proxnav.errors import InputError
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, sun_visible_fraction
 from proxnav.geometry.pointing import q_between
@@ -14,8 +15,6 @@ from proxnav.geometry.types import Vector3
 from proxnav.scenes.plain import triple
 
 Light = Literal["sunlit", "penumbra", "umbra"]
-
-_SUN_HALF_ANGLE = 4.65e-3  # rad
 
 
 @dataclass(frozen=True)
@@ -47,9 +46,9 @@ def draw_sun(rng: np.random.Generator, light: Light, nadir_target: Vector3, orbi
     """A Sun in target axes that gives this kind of light at this distance from Earth's centre."""
     limb = np.arcsin(EARTH_EQUATORIAL_RADIUS / orbit_radius_m)  # Earth's angular radius
     least, most = {
-        "umbra": (0.0, limb - _SUN_HALF_ANGLE),
-        "penumbra": (limb - _SUN_HALF_ANGLE, limb + _SUN_HALF_ANGLE),
-        "sunlit": (limb + _SUN_HALF_ANGLE, np.pi),
+        "umbra": (0.0, limb - SUN_HALF_ANGLE),
+        "penumbra": (limb - SUN_HALF_ANGLE, limb + SUN_HALF_ANGLE),
+        "sunlit": (limb + SUN_HALF_ANGLE, np.pi),
     }[light]
     z = rng.uniform(np.cos(most), np.cos(least))  # uniform over the zone of the sphere
     around = rng.uniform(-np.pi, np.pi)

@@ -21,9 +21,9 @@ from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.relative_motion import ric_from_eci
 from proxnav.viewing.charts import running_median
+from proxnav.viewing.run_folder import HALF_TURN_RAD
 
 _POINTS, _LINE, _WRONG = "#0b5cad", "#b45309", "#b3261e"
-_HALF_TURN_RAD = np.pi / 2.0
 
 
 def errors_by_range(
@@ -32,7 +32,7 @@ def errors_by_range(
     """Position error (norm) and attitude error of n poses against the true range; half turns are red triangles."""
     figure = Figure(figsize=(7.0, 7.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
-    wrong = e_r_rad > _HALF_TURN_RAD
+    wrong = e_r_rad > HALF_TURN_RAD
     for axes, values in ((upper, e_t_m), (lower, np.degrees(e_r_rad))):
         axes.plot(range_m[~wrong], values[~wrong], ".", color=_POINTS, alpha=0.6, label="pose")
         if wrong.any():

@@ -19,7 +19,7 @@ from scipy.stats import chi2, norm
 
 from proxnav.datasets.dataset import read_image
 from proxnav.viewing.charts import Mark, histogram, linear_axis, log_axis, running_median, scatter
-from proxnav.viewing.run_folder import FrameRow, Picture, Run, from_best_to_worst, read_run
+from proxnav.viewing.run_folder import HALF_TURN_RAD, FrameRow, Picture, Run, from_best_to_worst, read_run
 
 STUDY = {
     "mean_e_t_x_m": 0.2978,
@@ -45,7 +45,6 @@ _ROWS = (
     ("median_e_c", "median E_C", "-"),
 )
 _AXES = ("x right [m]", "y down [m]", "z forward [m]", "about x [rad]", "about y [rad]", "about z [rad]")
-_HALF_TURN_RAD = np.pi / 2.0  # an attitude this wrong took one side of the target for another
 _PICTURES = 150
 _PICTURE_BYTES = 8_000_000  # of all pictures together; base64 adds a third
 _SIZES = ((1024, 85), (1024, 70), (768, 70), (512, 70), (384, 60), (256, 50))  # longer side [px], JPEG quality
@@ -99,7 +98,7 @@ def headline(metrics: Mapping[str, Any]) -> Iterator[dict[str, str]]:
 def coverage(frames: tuple[FrameRow, ...]) -> dict[str, str]:
     """How many frames have a pose, why the others have none, how many poses are turned by more than 90 deg."""
     without = [frame.status for frame in frames if frame.errors is None]
-    turned = sum(frame.errors.e_r_rad > _HALF_TURN_RAD for frame in frames if frame.errors is not None)
+    turned = sum(frame.errors.e_r_rad > HALF_TURN_RAD for frame in frames if frame.errors is not None)
     reasons = ", ".join(f"{without.count(status)} {status}" for status in sorted(set(without)))
     return {
         "frames": str(len(frames)),
@@ -122,7 +121,7 @@ def _range_chart(frames: tuple[FrameRow, ...], key: str, label: str, scale: floa
     marks, posed = [], [frame for frame in frames if frame.errors is not None]
     values = [float(getattr(frame.errors, key)) * scale for frame in posed]
     for frame, value in zip(posed, values, strict=True):
-        wrong = frame.errors is not None and frame.errors.e_r_rad > _HALF_TURN_RAD
+        wrong = frame.errors is not None and frame.errors.e_r_rad > HALF_TURN_RAD
         text = f"{frame.filename}: {value:.4g} at {frame.range_m:.1f} m"
         marks.append(Mark(frame.range_m, value, text, "outlier" if wrong else "point"))
     lost = [frame for frame in frames if frame.errors is None]

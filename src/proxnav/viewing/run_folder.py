@@ -21,6 +21,9 @@ from proxnav.geometry import Pose, quaternion, so3
 
 _OVERLAY = re.compile(r"(best|median|worst)-(\d{1,9})\.png")
 
+HALF_TURN_RAD = np.pi / 2.0
+"""An attitude this wrong took one side of the target for another."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameErrors:
