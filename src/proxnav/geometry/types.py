@@ -23,7 +23,6 @@ Box = Float[np.ndarray, "xyxy=4"]
 """x0, y0, x1, y1 [px], outer edges."""
 
 Points = Float[np.ndarray, "n_keypoints 3"]
-Covariances2 = Float[np.ndarray, "n_keypoints 2 2"]
 Flags = Bool[np.ndarray, "n_keypoints"]
 
 Numbers = np.ndarray | Sequence[Any]

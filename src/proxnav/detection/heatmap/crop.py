@@ -6,9 +6,6 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-MARGIN = 1.25
-"""Side of the crop over the longer side of the target's box."""
-
 
 @dataclass(frozen=True, slots=True)
 class Crop:
@@ -22,8 +19,8 @@ class Crop:
     """Side [px]."""
 
     @staticmethod
-    def around(box_xyxy: Float[np.ndarray, "4"], margin: float = MARGIN, least: int = 32) -> "Crop":
-        """The crop that holds a box with a margin."""
+    def around(box_xyxy: Float[np.ndarray, "4"], margin: float, least: int = 32) -> "Crop":
+        """The crop about a box whose side is `margin` times the longer side of the box, `least` px at least."""
         x0, y0, x1, y1 = box_xyxy
         size = max(int(np.ceil(margin * max(x1 - x0, y1 - y0))), least)
         return Crop(round((x0 + x1 - size) / 2), round((y0 + y1 - size) / 2), size)

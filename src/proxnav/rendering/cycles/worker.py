@@ -103,8 +103,7 @@ def choose_device(scene, wanted):
             preferences.get_devices()
         except TypeError:  # this build of Blender does not know the kind
             continue
-        devices = [device for device in preferences.devices if device.type == kind]
-        if devices:
+        if any(device.type == kind for device in preferences.devices):
             for device in preferences.devices:
                 device.use = device.type == kind
             scene.cycles.device = "GPU"
@@ -311,10 +310,9 @@ def render(header, arrays):
     scene.cycles.sample_clamp_indirect = header["clamp_indirect"]
     path = Path(header["folder"]) / "frame.exr"
     light = shoot(scene, path, header["samples"], "BOX", 1.0, header["bounces"])
-    radiance = np.stack([light[f"Combined.{c}"] for c in "RGBA"], axis=-1)
     facts = shoot(scene, path, 1, "GAUSSIAN", CENTRE_FILTER_PX, 0)
     return {}, {
-        "radiance": radiance,
+        "radiance": np.stack([light[f"Combined.{c}"] for c in "RGBA"], axis=-1),
         "position": np.stack([facts[f"Position.{c}"] for c in "XYZ"], axis=-1),
         "facet": np.stack([facts[f"facet.{c}"] for c in "RGB"], axis=-1),
         "part": facts["IndexMA.X"].astype(np.int16) - np.int16(1),
@@ -352,8 +350,8 @@ def read_exr(path):
             window = struct.unpack_from("<4i", data, position)
         position += size
     width, height = window[2] - window[0] + 1, window[3] - window[1] + 1
-    start = position + 1 + 8 * height  # after the table of offsets
-    rows = np.frombuffer(data, dtype="<f4", offset=start).reshape(height, 2 + len(names) * width)
+    after_offsets = position + 1 + 8 * height
+    rows = np.frombuffer(data, dtype="<f4", offset=after_offsets).reshape(height, 2 + len(names) * width)
     planes = rows[:, 2:].reshape(height, len(names), width)
     return {name.split(".", 1)[-1]: planes[:, i] for i, name in enumerate(names)}
 
@@ -385,10 +383,7 @@ def main():
     reply = claim_stdout()
     commands = {"configure": configure, "load": load, "paint": paint, "render": render}
     folder = None
-    while True:
-        message = read_message(sys.stdin.buffer)
-        if message is None:
-            break
+    while (message := read_message(sys.stdin.buffer)) is not None:
         header, arrays = message
         folder = header["folder"]
         try:

@@ -10,7 +10,6 @@ from jaxtyping import Float, Int
 
 from proxnav.targets import Target
 
-_CORNER = slice(0, 3), slice(3, 6), slice(6, 8)  # position, normal, uv within a corner's 8 numbers
 _MAX_FACES = 400_000
 _NEXT = (1, 2, 0)
 
