@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from proxnav.detection.heatmap.augment import AugmentConfig, augment
 from proxnav.detection.heatmap.crop import Crop, cut
 from proxnav.detection.heatmap.decode import covariances, decode, sample_spread
+from proxnav.detection.heatmap.detector import HeatmapDetector
 from proxnav.detection.heatmap.loss import LossConfig, _gaussian, keypoint_loss
 from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig, Maps
 from proxnav.detection.heatmap.patch import largest_patch
@@ -123,3 +124,15 @@ def test_the_largest_patch_wins_over_the_brightest_speck():
     np.testing.assert_array_equal(box, [5, 8, 12, 14])
     assert score == pytest.approx(0.7)
     assert largest_patch(np.full((4, 4), 0.2)) is None
+
+
+def test_a_keypoint_that_was_not_found_has_no_place_and_no_score():
+    points = np.full((1, 3, 2), 32.0, np.float32)
+    scores = np.array([[0.9, 0.01, 0.0]], np.float32)
+    spread = np.tile(np.eye(2, dtype=np.float32), (1, 3, 1, 1))
+    read = lambda crops: [points, scores, spread, np.ones(1)]  # noqa: E731
+    detector = HeatmapDetector(find=read, read=read, n_keypoints=3, crop_side=64, min_score=0.05)
+    image = np.random.default_rng(1).integers(0, 255, (80, 80), dtype=np.uint8)
+    found = detector(image, np.array([10.0, 10.0, 60.0, 60.0]))
+    np.testing.assert_array_equal(np.isfinite(found.pixels).all(axis=1), [True, False, False])
+    np.testing.assert_allclose(found.scores, [0.9, 0.0, 0.0], atol=1e-6)

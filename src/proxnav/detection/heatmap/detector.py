@@ -69,7 +69,8 @@ class HeatmapDetector:
         pixels = np.where(found, crop.to_image(points[0].astype(np.float64), self.crop_side), np.nan)
         spread = covariances[0].astype(np.float64) * self.spread_scale**2 + np.eye(2) * self.floor_px**2
         spread *= (crop.size / self.crop_side) ** 2
-        return Keypoints("ok", pixels, spread, np.clip(scores[0].astype(np.float64), 0.0, 1.0), box)
+        scores = np.where(found[:, 0], np.clip(scores[0].astype(np.float64), 0.0, 1.0), 0.0)
+        return Keypoints("ok", pixels, spread, scores, box)
 
 
 def _hull_box(keypoints: Keypoints, fallback: Box) -> Box:
