@@ -194,3 +194,15 @@ def test_a_set_is_not_continued_by_another_renderer(six, tmp_path):
     with pytest.raises(InputError, match="rendered with renderer raycast, not cycles"):
         render(scenes(6), FrameConfig("cycles"), six.folder, 1)
     assert len(render(scenes(6), replace(RAYCAST, samples=7), six.folder, 1)) == 6  # samples are of Cycles alone
+
+
+@pytest.mark.parametrize("size", [0, -5, 10**9])
+def test_an_image_of_impossible_size_is_refused(size):
+    with pytest.raises(InputError, match="longer side"):
+        draw_scenes(presets.preset("observation-10-100m"), 1, 0, size)
+
+
+@pytest.mark.parametrize(("workers", "repeats"), [(0, 1), (1, 0)])
+def test_a_stream_without_workers_or_passes_is_refused_instead_of_waiting_for_ever(workers, repeats):
+    with pytest.raises(InputError, match="at least 1"):
+        sample_source(CropJob(CROPS), workers, repeats)

@@ -16,6 +16,7 @@ from proxnav.datasets.labelling import mask_box
 from proxnav.datasets.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
 from proxnav.detection.heatmap.crop import Crop, resample
 from proxnav.detection.samples import SampleSource, TrainingSample
+from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.presets import NAVIGATION_CAMERA, OBSERVATION
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
@@ -113,6 +114,9 @@ def sample_source(
     Drawing costs more than learning: each block of samples passes `repeats` times before the next one, and the
     learner's augmentation makes each pass another view. Sample i is the same for every stride that divides `block`.
     """
+
+    if workers < 1 or repeats < 1:
+        raise InputError(f"workers and repeats must be at least 1, found {workers} and {repeats}")
 
     def stream(start: int, stride: int) -> Iterator[TrainingSample]:
         own = lambda number: range(number * block + start % stride, (number + 1) * block, stride)  # noqa: E731

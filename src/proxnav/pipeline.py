@@ -34,6 +34,8 @@ from proxnav.trajectories import select, spread
 from proxnav.viewing.overlay import caption, overlay
 from proxnav.viewing.run_folder import overlay_files
 
+LARGEST_SIDE_PX = 16_384
+
 
 def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
     """Scenes of a preset, each a function of (seed, index) alone; `size` resamples the square camera."""
@@ -71,6 +73,8 @@ def resized(camera: Camera, size: int | None) -> Camera:
     """The camera with its longer side at `size` pixels; unchanged for None."""
     if size is None:
         return camera
+    if not 1 <= size <= LARGEST_SIDE_PX:
+        raise InputError(f"an image needs 1 to {LARGEST_SIDE_PX} px on its longer side, found {size}")
     scale = size / max(camera.width, camera.height)
     return camera.resized(round(camera.width * scale), round(camera.height * scale))
 
@@ -201,9 +205,8 @@ def telling(order: np.ndarray, each: int) -> list[tuple[str, int]]:
 def draw(index: int, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator) -> np.ndarray:
     """One frame with what was found in it and what is true."""
     frame, image = judgement.frames[index], dataset.image(index)
-    canvas = overlay(
-        image, dataset.camera, frame.T_est, frame.T_true, estimator.points_target_m, estimator.detect(image)
-    )
+    keypoints, _ = estimator.observe(image, dataset.camera)
+    canvas = overlay(image, dataset.camera, frame.T_est, frame.T_true, estimator.points_target_m, keypoints)
     found, errors = frame.status, frame.errors
     if errors is not None:
         turn = np.degrees(errors.e_r_rad)
