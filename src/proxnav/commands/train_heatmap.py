@@ -20,6 +20,7 @@ from proxnav.detection.heatmap.train import (
     train_heatmap,
 )
 from proxnav.detection.samples import TrainingSample
+from proxnav.errors import InputError
 from proxnav.targets.loading import load_target
 
 _VALIDATION_SEED = 7_000_001
@@ -68,6 +69,7 @@ class TrainFinderOptions:
 def crop(argv: list[str]) -> None:
     """Entry of `proxnav train heatmap`."""
     options = tyro.cli(TrainCropOptions, args=argv, prog="proxnav train heatmap")
+    _check_side(options.side)
     crops = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
     training = _for_target(options.training, options.target)
     write_json(options.out / "config.json", run_record(options), indent=1)
@@ -80,11 +82,17 @@ def crop(argv: list[str]) -> None:
 def finder(argv: list[str]) -> None:
     """Entry of `proxnav train finder`."""
     options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
+    _check_side(options.side)
     write_json(options.out / "config.json", run_record(options), indent=1)
     frames = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
     source = sample_source(WholeFrameJob(frames), options.workers, options.repeats)
     result = train_finder(options.training, source, options.out)
     print(f"{result.reason}: {result.samples} frames seen; {result.weights}")
+
+
+def _check_side(side: int) -> None:
+    if side < 32 or side % 32:
+        raise InputError(f"--side {side}: the network needs a multiple of 32 px")
 
 
 def _for_target(training: TrainHeatmapConfig, target: str) -> TrainHeatmapConfig:
