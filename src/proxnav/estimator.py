@@ -17,6 +17,7 @@ from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.sessions import Backend, open_session
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.types import Box, Pixels
 from proxnav.pose.config import PoseConfig
 from proxnav.pose.estimate import estimate_pose
 
@@ -45,6 +46,8 @@ class PoseEstimator:
     target: str
     """Name of the target that the model knows."""
     pose: PoseConfig = field(default_factory=PoseConfig)
+    look_again: Callable[[np.ndarray, Box], Keypoints] | None = None
+    """Reads the image in a box [px]; where there is one, the first pose says where to look closer."""
 
     @staticmethod
     def load(name_or_path: str, backend: Backend = "auto", threads: int = 0) -> "PoseEstimator":
@@ -64,11 +67,25 @@ class PoseEstimator:
 
     def __call__(self, image: np.ndarray, camera: Camera) -> PoseResult:
         """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size."""
+        return self.observe(image, camera)[1]
+
+    def observe(self, image: np.ndarray, camera: Camera) -> tuple[Keypoints, PoseResult]:
+        """As calling the estimator, with the keypoints that the pose rests on."""
         check_size(image, camera)
-        keypoints = self.detect(image)
+        first = self._observe(self.detect(image), camera)
+        T_cam_target = first[1].T_cam_target
+        if self.look_again is None or T_cam_target is None:
+            return first
+        box = box_in_image(camera.project(T_cam_target @ self.points_target_m), camera)
+        if box is None:
+            return first
+        second = self._observe(self.look_again(image, box), camera)
+        return second if second[1].T_cam_target is not None else first
+
+    def _observe(self, keypoints: Keypoints, camera: Camera) -> tuple[Keypoints, PoseResult]:
         if keypoints.status != "ok":
-            return PoseResult.failure(keypoints.status, len(self.points_target_m))
-        return self.solve(keypoints, camera)
+            return keypoints, PoseResult.failure(keypoints.status, len(self.points_target_m))
+        return keypoints, self.solve(keypoints, camera)
 
     def solve(self, keypoints: Keypoints, camera: Camera) -> PoseResult:
         """Pose from keypoints that were detected before."""
@@ -76,6 +93,13 @@ class PoseEstimator:
             self.points_target_m, keypoints.pixels, camera, keypoints.covariances_px2, keypoints.scores, self.pose
         )
         return PoseResult.failure("no_consensus", len(result.inliers)) if _is_vague(result) else result
+
+
+def box_in_image(pixels: Pixels, camera: Camera) -> Box | None:
+    """The box of projected points, cut at the image's edges; None when nothing of it is in the image."""
+    size = np.array([camera.width, camera.height], dtype=np.float64)
+    box = np.concatenate([np.clip(np.nanmin(pixels, axis=0), 0.0, size), np.clip(np.nanmax(pixels, axis=0), 0.0, size)])
+    return box if (box[2:] - box[:2]).min() > 1.0 else None
 
 
 def _is_vague(result: PoseResult) -> bool:
@@ -109,7 +133,8 @@ def _assemble(folder: Path, card: dict[str, Any], backend: Backend, threads: int
     detect = _DETECTORS[card["detector"]](folder, card, backend, threads)
     # Of many keypoints a handful always agrees by chance, in an image that shows something else altogether.
     pose = PoseConfig(min_inliers=max(4, len(points) // 3), min_inlier_share=0.6)
-    return PoseEstimator(detect, points, names, card["target"], pose)
+    look_again = detect if isinstance(detect, HeatmapDetector) else None
+    return PoseEstimator(detect, points, names, card["target"], pose, look_again)
 
 
 def _heatmap(folder: Path, card: dict[str, Any], backend: Backend, threads: int) -> HeatmapDetector:

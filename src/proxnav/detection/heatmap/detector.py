@@ -1,4 +1,4 @@
-"""Full frame in, keypoints with covariances out: find, crop, read, look again closer. Needs no torch."""
+"""Full frame in, keypoints with covariances out: find, crop, read. Needs no torch."""
 
 from dataclasses import dataclass
 
@@ -25,9 +25,13 @@ class HeatmapDetector:
     finder_side: int = 256
     crop_side: int = 256
     margin: float = 1.3
-    """Side of the crop over the longer side of the box."""
-    looks: int = 2
-    """Crops that are read; each after the first is centred on the keypoints of the one before."""
+    """Side of the crop over the longer side of a box that is given."""
+    search_margin: float = 2.0
+    """The same for a box of the finder, which may miss what is thin or dark."""
+    presence: float = 0.3
+    """Least probability of a cell of the finder's map to belong to the target; where none has it, half of the most."""
+    least_presence: float = 0.04
+    """Probability of the best cell below which there is no target."""
     min_score: float = 0.05
     """Keypoints whose peak holds less probability are reported as not found."""
     min_shown: float = 0.02
@@ -38,30 +42,29 @@ class HeatmapDetector:
     """Standard deviation that is added to every keypoint [px of the crop]."""
 
     def __call__(self, image: np.ndarray, box_xyxy: Box | None = None) -> Keypoints:
-        """Keypoints of the target; `box_xyxy` [px] (a filter's prediction) takes the finder's place."""
+        """Keypoints of the target; `box_xyxy` [px], of a first pose or a filter's prediction, replaces the finder."""
         grey = grey_8_bit(image)
         if is_blank(grey):
             return Keypoints.none("bad_image", self.n_keypoints)
-        box = self.find_box(grey) if box_xyxy is None else box_xyxy
+        if box_xyxy is not None:
+            return self._look(grey, box_xyxy, self.margin)
+        box = self.find_box(grey)
         if box is None:
             return Keypoints.none("no_target", self.n_keypoints)
-        keypoints = self._look(grey, box)
-        for _ in range(self.looks - 1):
-            if keypoints.status != "ok":
-                break
-            keypoints = self._look(grey, _hull_box(keypoints, box))
-        return keypoints
+        return self._look(grey, box, self.search_margin)
 
     def find_box(self, grey: np.ndarray) -> Box | None:
         """The target's box [px] in a grey frame, None when there is no target."""
         side = max(grey.shape)
-        probability = self.find(cut(grey, Crop(0, 0, side), self.finder_side)[None])[0][0]
-        patch = largest_patch(probability.astype(np.float64))
+        probability = self.find(cut(grey, Crop(0, 0, side), self.finder_side)[None])[0][0].astype(np.float64)
+        if probability.max() < self.least_presence:
+            return None
+        patch = largest_patch(probability, min(self.presence, 0.5 * probability.max()))
         return None if patch is None else patch[0] * (_CELL * side / self.finder_side)
 
-    def _look(self, grey: np.ndarray, box: Box) -> Keypoints:
+    def _look(self, grey: np.ndarray, box: Box, margin: float) -> Keypoints:
         """One crop round the box, read by the network."""
-        crop = Crop.around(box, self.margin)
+        crop = Crop.around(box, margin)
         points, scores, covariances, shown = self.read(cut(grey, crop, self.crop_side)[None])
         if shown[0] < self.min_shown:
             return Keypoints.none("no_target", self.n_keypoints)
@@ -71,11 +74,3 @@ class HeatmapDetector:
         spread *= (crop.size / self.crop_side) ** 2
         scores = np.where(found[:, 0], np.clip(scores[0].astype(np.float64), 0.0, 1.0), 0.0)
         return Keypoints("ok", pixels, spread, scores, box)
-
-
-def _hull_box(keypoints: Keypoints, fallback: Box) -> Box:
-    """The box of the keypoints that were found well; the last box when they are too few to say."""
-    sure = keypoints.pixels[keypoints.scores > 0.3]
-    if len(sure) < 8:
-        return fallback
-    return np.concatenate([sure.min(axis=0), sure.max(axis=0)])

@@ -43,8 +43,8 @@ class HeatmapNet(nn.Module):
         self.logits = nn.Conv2d(config.width, config.n_keypoints, 1)
         self.spread = nn.Conv2d(config.width, 3 * config.n_keypoints, 1)
         self.mask = nn.Conv2d(config.width, 1, 1)
-        nn.init.zeros_(self.spread.weight)
-        nn.init.zeros_(self.spread.bias)  # starts at one cell of standard deviation, uncorrelated
+        for parameter in self.spread.parameters():
+            nn.init.zeros_(parameter)  # starts at one cell of standard deviation, uncorrelated
 
     def forward(self, crops: Tensor) -> Maps:
         features = self.pyramid(crops)
