@@ -29,9 +29,7 @@ class HeatmapDetector:
     search_margin: float = 2.0
     """The same for a box of the finder, which may miss what is thin or dark."""
     presence: float = 0.3
-    """Least probability of a cell of the finder's map to belong to the target; where none has it, half of the most."""
-    least_presence: float = 0.04
-    """Probability of the best cell below which there is no target."""
+    """Least probability of a cell of the finder's map to belong to the target; lower ones give wrong poses."""
     min_score: float = 0.05
     """Keypoints whose peak holds less probability are reported as not found."""
     min_shown: float = 0.02
@@ -57,9 +55,7 @@ class HeatmapDetector:
         """The target's box [px] in a grey frame, None when there is no target."""
         side = max(grey.shape)
         probability = self.find(cut(grey, Crop(0, 0, side), self.finder_side)[None])[0][0].astype(np.float64)
-        if probability.max() < self.least_presence:
-            return None
-        patch = largest_patch(probability, min(self.presence, 0.5 * probability.max()))
+        patch = largest_patch(probability, self.presence)
         return None if patch is None else patch[0] * (_CELL * side / self.finder_side)
 
     def _look(self, grey: np.ndarray, box: Box, margin: float) -> Keypoints:
