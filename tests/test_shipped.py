@@ -1,0 +1,53 @@
+"""What the weights in the package do: the study's accuracy on fresh frames, and no pose where there is no target."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from proxnav import presets
+from proxnav.estimator import PoseEstimator
+from proxnav.evaluation.errors import pose_errors
+from proxnav.evaluation.table import STUDY
+from proxnav.frames import FrameConfig, FrameJob
+from proxnav.pipeline import draw_scenes
+
+FRAMES = 16
+PRESET = presets.preset("observation-10-100m")
+
+
+@pytest.fixture(scope="module")
+def estimator():
+    return PoseEstimator.load("space-rider", "onnxruntime")
+
+
+@pytest.fixture(scope="module")
+def make():
+    return FrameJob("space-rider", FrameConfig("raycast"))()
+
+
+def test_fresh_frames_are_seen_as_well_as_the_study_saw_its_own(estimator, make):
+    errors = []
+    for scene in draw_scenes(PRESET, FRAMES, seed=424_242):
+        T = estimator(make(scene).image, scene.camera).T_cam_target
+        if T is not None:
+            errors.append(pose_errors(T, scene.T_cam_target).e_c)
+    assert len(errors) >= 0.8 * FRAMES
+    assert np.median(errors) < STUDY["mean_e_c"]
+
+
+def test_sky_and_earth_without_a_target_give_no_pose(estimator, make):
+    for scene in draw_scenes(PRESET, FRAMES, seed=515_151):
+        empty = replace(scene, t_cam_target_m=(0.0, 0.0, -50.0))  # behind the camera
+        assert estimator(make(empty).image, scene.camera).T_cam_target is None
+
+
+@pytest.mark.parametrize("kind", ["white", "smooth"])
+def test_noise_gives_no_pose(estimator, kind, rng):
+    import cv2
+
+    for _ in range(4):
+        image = rng.integers(0, 256, (1024, 1024), dtype=np.uint8)
+        if kind == "smooth":
+            image = cv2.normalize(cv2.GaussianBlur(image, (0, 0), 12.0), None, 0, 255, cv2.NORM_MINMAX)
+        assert estimator(image, PRESET.camera).T_cam_target is None
