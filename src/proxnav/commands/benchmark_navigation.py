@@ -73,7 +73,7 @@ def consistency(config: NavigationBenchmarkConfig) -> dict[str, Any]:
         for flight in ("spiral-10-100m", "approach-100-10m")
         for coupling in ("tight", "loose")
     }
-    return {name: summarise(_run(name, job, "none", config)) for name, job in _chosen(lines, config).items()}
+    return _table("consistency", lines, lambda name, job: summarise(_run(name, job, "none", config)), config)
 
 
 def accuracy(config: NavigationBenchmarkConfig) -> dict[str, Any]:
@@ -84,13 +84,13 @@ def accuracy(config: NavigationBenchmarkConfig) -> dict[str, Any]:
         "camera + gyro + code GNSS": _job("spiral-10-100m", 1800.0, "code"),
         "camera + gyro + carrier GNSS": _job("spiral-10-100m", 1800.0, "carrier"),
     }
-    return {name: summarise(_run(name, job, "none", config)) for name, job in _chosen(lines, config).items()}
+    return _table("accuracy", lines, lambda name, job: summarise(_run(name, job, "none", config)), config)
 
 
 def faults(config: NavigationBenchmarkConfig) -> dict[str, Any]:
     """Each fault alone, tight coupling with gyro and code GNSS."""
     jobs = {name: _job("spiral-10-100m", seconds, "code") for name, seconds in FAULTS.items()}
-    return {name: judge_fault(_run(name, job, name, config)) for name, job in _chosen(jobs, config).items()}
+    return _table("faults", jobs, lambda name, job: judge_fault(_run(name, job, name, config)), config)
 
 
 def speed(_: NavigationBenchmarkConfig) -> dict[str, Any]:
@@ -98,8 +98,18 @@ def speed(_: NavigationBenchmarkConfig) -> dict[str, Any]:
     return measure_speed(presets.NAVIGATION_CAMERA, "space-rider")
 
 
-def _chosen(lines: dict[Any, RunJob], config: NavigationBenchmarkConfig) -> dict[Any, RunJob]:
-    return {name: job for name, job in lines.items() if config.only in name}
+def _table(
+    part: Part, jobs: dict[Any, RunJob], measure: Callable[[Any, RunJob], Any], config: NavigationBenchmarkConfig
+) -> dict[str, Any]:
+    """Line by line, each written as soon as it is measured: an interrupted run keeps what it has."""
+    found: dict[str, Any] = {}
+    for name, job in jobs.items():
+        if config.only not in name:
+            continue
+        found[name] = measure(name, job)
+        if config.out is not None:
+            write_json(config.out / f"navigation_{part}.json", found, indent=1)
+    return found
 
 
 def _job(

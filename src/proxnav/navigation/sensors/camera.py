@@ -13,6 +13,8 @@ from proxnav.navigation.truth import Truth
 from proxnav.targets.target import Target
 from proxnav.targets.visibility import visible_keypoints
 
+_LEAST_VARIANCE = 1e-4  # px^2; a perfect detector claims a hundredth of a pixel
+
 
 @dataclass(frozen=True)
 class DetectorConfig:
@@ -39,11 +41,12 @@ def read_keypoints(
     k = every(truth, config.rate_hz)
     dt = truth.step_s * float(k[1] - k[0]) if len(k) > 1 else 1.0
     shape = (len(k), len(target.keypoints_m), 2)
-    pixels = np.stack([_seen(truth, i, target, camera, config.occlusion) for i in k])
+    pixels = np.stack([_seen(truth, int(i), target, camera, config.occlusion) for i in k])
     pixels = pixels + gauss_markov(config.correlated_px, config.tau_s, dt, shape, rng)
     pixels = pixels + config.white_px * rng.normal(size=shape)
     received = truth.t[k] + rng.uniform(*config.latency_s, size=len(k))
-    cov = np.tile((config.white_px**2 + config.correlated_px**2) * np.eye(2), (*shape[:2], 1, 1))
+    variance = max(config.white_px**2 + config.correlated_px**2, _LEAST_VARIANCE)
+    cov = np.tile(variance * np.eye(2), (*shape[:2], 1, 1))
     cov[np.isnan(pixels[..., 0])] = np.nan
     keep = np.isfinite(pixels[..., 0]).sum(axis=1) >= config.least_points
     order = np.argsort(received[keep])

@@ -1,0 +1,255 @@
+"""The filter on short flights: accuracy, honesty, late and wrong readings, loss and restart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from navigation.flights import CAMERA, SENSING, filtered, fly, points, reference, without
+from proxnav.errors import InputError
+from proxnav.geometry import quaternion
+from proxnav.navigation.config import FilterNoise, NavigationConfig
+from proxnav.navigation.errors import mean_nis, nav_errors, outcomes
+from proxnav.navigation.events import Event, events
+from proxnav.navigation.faults import rows, with_fault
+from proxnav.navigation.navigator import Navigator, run_filter, scene_of
+from proxnav.navigation.prediction import predict_view
+from proxnav.navigation.simulate import SimulationConfig, simulate
+from proxnav.navigation.smoother import smooth
+from proxnav.navigation.truth import TruthConfig, TumbleConfig
+from proxnav.navigation.truth_files import true_states
+from proxnav.targets.loading import load_target
+from proxnav.trajectories import ApproachConfig, straight_approach
+
+
+@pytest.mark.parametrize("coupling", ["tight", "loose"])
+def test_errors_settle_within_their_claims(coupling: str) -> None:
+    truth, records = fly()
+    found, judged, starts = filtered(truth, records, NavigationConfig(coupling=coupling))  # type: ignore[arg-type]
+    settled = found.t > 60.0
+    assert starts == 1
+    assert np.linalg.norm(found.errors[settled, :3], axis=1).max() < 0.2  # m at 30 m
+    assert np.rad2deg(np.linalg.norm(found.errors[settled, 6:9], axis=1)).max() < 1.5  # deg
+    assert np.nanmean(found.inside_3_sigma) > 0.97
+    assert np.nanmean(found.nees) < 25.0  # one run: 12 on average over many
+    for kind, (nis, _) in mean_nis(judged, 20.0).items():
+        assert 0.7 < nis < 1.3, kind
+
+
+def test_tight_and_loose_coupling_agree() -> None:
+    truth, records = fly()
+    tight = filtered(truth, records)[0]
+    loose = filtered(truth, records, NavigationConfig(coupling="loose"))[0]
+    difference = np.abs(tight.errors - loose.errors)[-10:]
+    assert (difference < tight.sigmas[-10:]).all()
+
+
+def test_a_fused_pose_is_better_than_a_single_frame() -> None:
+    truth, records = fly()
+    assert records.poses is not None
+    found = filtered(truth, records)[0]
+    late = records.poses.t > 60.0
+    k = np.round(records.poses.t[late] / truth.step_s).astype(int)
+    single = np.sqrt(np.mean(np.sum((records.poses.t_cam_target_m[late] - truth.t_cam_target_m[k]) ** 2, axis=1)))
+    fused = np.sqrt(np.mean(np.sum(found.errors[found.t > 60.0, :3] ** 2, axis=1)))
+    assert fused < 0.7 * single
+
+
+def final_belief(records, order: np.ndarray | None = None):
+    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    stream = events(records, scene)
+    navigator = Navigator(scene, 0.0)
+    for i in range(len(stream)) if order is None else order:
+        navigator.receive(stream[int(i)])
+    navigator.finish()
+    return navigator
+
+
+def test_readings_in_any_order_within_the_buffer_give_the_same_state() -> None:
+    _, records = fly(seconds=14.0)
+    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    count = len(events(records, scene))
+    first = final_belief(records)
+    in_time = sorted(range(count), key=lambda i: events(records, scene)[i].rank)
+    ordered, shuffled = (
+        final_belief(records, np.array(in_time)),
+        final_belief(records, np.random.default_rng(0).permutation(count)),
+    )
+    for other in (ordered, shuffled):
+        assert first.belief.x is not None
+        assert other.belief.x is not None
+        np.testing.assert_allclose(other.belief.x, first.belief.x, atol=1e-9)
+        np.testing.assert_allclose(other.belief.P, first.belief.P, rtol=1e-6, atol=1e-15)
+
+
+def test_readings_that_come_twice_or_too_late_or_from_the_future_are_counted_and_left_out() -> None:
+    _, records = fly(seconds=60.0)
+    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    stream = events(records, scene)
+    navigator = Navigator(scene, 0.0)
+    for event in stream:
+        navigator.receive(event)
+    before = navigator.belief
+    last = stream[-1]
+    frame = next(event for event in reversed(stream) if event.kind == "keypoints")
+    assert navigator.receive(frame) == "duplicate"
+    assert navigator.receive(Event(5.3, last.received, "gnss", stream[0].values)) == "late"
+    assert navigator.receive(Event(5_000.0, last.received, "gyro", (np.zeros(3),))) == "ahead"
+    assert navigator.belief is before
+    navigator.finish()
+    counts = outcomes(navigator.judged)
+    assert counts["keypoints"]["duplicate"] == counts["gnss"]["late"] == counts["gyro"]["ahead"] == 1
+
+
+def test_swapped_keypoints_are_refused_and_do_no_harm() -> None:
+    truth, records = fly()
+    broken = with_fault(records, "wrong_frames", np.random.default_rng(1))
+    found, judged, starts = filtered(truth, broken)
+    refused = outcomes(judged)["keypoints"]["gated"]
+    assert 0.15 * 120 < refused < 0.45 * 120
+    assert starts == 1
+    assert np.nanmean(found.inside_3_sigma[found.t > 30.0]) > 0.97
+
+
+def test_one_swapped_pair_is_refused_alone() -> None:
+    truth, records = fly()
+    assert records.keypoints is not None
+    pixels = records.keypoints.pixels.copy()
+    seen = np.flatnonzero(np.isfinite(pixels[:, :, 0]).all(axis=0))[:2]
+    pixels[60:, seen] = pixels[60:, seen[::-1]]
+    broken = replace(records, keypoints=replace(records.keypoints, pixels=pixels))
+    found, judged, starts = filtered(truth, broken)
+    assert outcomes(judged)["keypoints"]["keypoints gated"] >= 2 * 55
+    assert starts == 1
+    assert np.nanmean(found.inside_3_sigma[found.t > 30.0]) > 0.97
+
+
+def test_a_target_that_is_suddenly_elsewhere_is_lost_and_found_again() -> None:
+    truth, records = fly()
+    k, p = records.keypoints, records.poses
+    assert k is not None
+    assert p is not None
+    turn = quaternion.exp(np.array([0.0, 0.0, np.pi / 2]))
+    jumped = k.t > 40.0
+    pixels = k.pixels.copy()
+    for i in np.flatnonzero(jumped):
+        j = round(float(k.t[i]) / truth.step_s)
+        R = quaternion.to_matrix(quaternion.multiply(truth.q_cam_target[j], turn))
+        pixels[i] = CAMERA.project(points() @ R.T + truth.t_cam_target_m[j])
+    q = np.where(jumped[:, None], quaternion.multiply(p.q_cam_target, turn), p.q_cam_target)
+    broken = replace(records, keypoints=replace(k, pixels=pixels), poses=replace(p, q_cam_target=q))
+    scene = scene_of(broken, points(), CAMERA, NavigationConfig())
+    times = np.arange(5.0, truth.t[-1], 1.0)
+    states, _, last = run_filter(broken, scene, times)
+    assert last.starts == 2
+    seen = [state.status for state in states if state is not None]
+    assert "coasting" in seen or "lost" in seen  # it said so
+    end = states[-1]
+    assert end is not None
+    expected = quaternion.multiply(true_states(truth).at(times).q_cam_target[-1], turn)
+    assert quaternion.angle_between(end.q_cam_target, expected) < np.deg2rad(2.0)
+
+
+def test_without_camera_the_filter_says_that_it_coasts_and_its_claims_grow() -> None:
+    truth, records = fly()
+    assert records.keypoints is not None
+    blind = replace(
+        records, keypoints=rows(records.keypoints, records.keypoints.t < 60.0),
+        poses=rows(records.poses, records.poses.t < 60.0) if records.poses else None, gnss=None,
+    )  # fmt: skip
+    scene = scene_of(blind, points(), CAMERA, NavigationConfig())
+    states, _, _ = run_filter(blind, scene, np.array([58.0, 110.0]))
+    before, after = states
+    assert before is not None
+    assert after is not None
+    assert (before.status, after.status) == ("tracking", "coasting")
+    assert np.trace(after.covariance[:3, :3]) > np.trace(before.covariance[:3, :3])
+    found = nav_errors(states, true_states(truth).at(np.array([58.0, 110.0])))
+    assert (found.inside_3_sigma > 0.8).all()
+
+
+def test_the_accelerometer_in_free_flight_does_harm_and_in_burns_it_helps() -> None:
+    sensing = replace(SENSING, gnss="none")
+    truth, records = fly(seconds=240.0, sensing=sensing)
+    camera = records.keypoints
+    assert camera is not None
+    blind = replace(records, keypoints=rows(camera, camera.t < 100.0))  # then 140 s of dead reckoning
+    gated = filtered(truth, blind)[0]
+    naive = filtered(truth, blind, NavigationConfig(accelerometer="always"))[0]
+    assert np.linalg.norm(naive.errors[-1, :3]) > 5.0 * np.linalg.norm(gated.errors[-1, :3])
+    assert np.linalg.norm(naive.errors[-1, :3]) > 1.0  # m: 0.05 mg for 140 s
+
+
+def test_a_burn_is_followed_by_the_accelerometer() -> None:
+    sensing = replace(SENSING, gnss="none")
+    config = SimulationConfig(TruthConfig(step_s=0.1, burn_interval_s=40.0), sensing)
+    path = straight_approach(ApproachConfig((0.0, -45.0, 0.0), (0.0, -29.0, 0.0), 80.0, 5.0))
+    truth, records = simulate(path, load_target("space-rider"), CAMERA, config, np.random.default_rng(3))
+    felt = filtered(truth, records)[0]
+    deaf = filtered(truth, records, NavigationConfig(accelerometer="never"))[0]
+    burned = felt.t == 45.0
+    dv = np.linalg.norm(truth.specific_force, axis=1).sum() * truth.step_s
+    assert dv > 0.01  # m/s: there was a burn to feel
+    assert np.linalg.norm(felt.errors[burned, 3:6]) < 0.5 * np.linalg.norm(deaf.errors[burned, 3:6])
+
+
+def test_a_jump_of_the_gyro_bias_is_survived() -> None:
+    truth, records = fly(seconds=240.0)
+    found, _, _ = filtered(truth, with_fault(records, "gyro_step", np.random.default_rng(2)))
+    assert found.inside_3_sigma[-10:].mean() > 0.97
+
+
+def test_a_tumbling_target_is_followed_by_eulers_equations() -> None:
+    free = TumbleConfig(rate_deg_s=(0.5, 1.0, 0.3), inertia=(1.0, 3.0, 3.2))
+    config = SimulationConfig(TruthConfig(step_s=0.5, tumble=free), SENSING)
+    truth, records = simulate(reference(150.0), load_target("space-rider"), CAMERA, config, np.random.default_rng(4))
+    noise = FilterNoise(target_rate=0.05, target_rate_walk=1e-5)
+    found, _, starts = filtered(truth, records, NavigationConfig(target_rate="free", inertia=free.inertia, noise=noise))
+    assert starts == 1
+    assert np.rad2deg(np.abs(found.errors[-10:, 9:])).max() < 0.05  # deg/s
+    assert found.inside_3_sigma[-10:].mean() > 0.97
+
+
+def test_smoothing_is_better_than_filtering_and_as_honest() -> None:
+    truth, records = fly()
+    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    smoothed = [state for state in smooth(records, scene) if 20.0 < state.t < 100.0]
+    t = np.array([state.t for state in smoothed])
+    after = nav_errors(smoothed, true_states(truth).at(t))
+    states, _, _ = run_filter(records, scene, t)
+    before = nav_errors(states, true_states(truth).at(t))
+    rms = [np.sqrt(np.mean(found.errors**2, axis=0)) for found in (after, before)]
+    assert np.linalg.norm(rms[0][:3]) < np.linalg.norm(rms[1][:3])
+    assert np.linalg.norm(rms[0][3:6]) < 0.7 * np.linalg.norm(rms[1][3:6])
+    assert (after.sigmas <= before.sigmas * 1.05).mean() > 0.95
+    assert np.mean(after.nees) < 25.0
+
+
+def test_the_predicted_view_holds_the_next_keypoints() -> None:
+    truth, records = fly()
+    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    states, _, _ = run_filter(records, scene, np.array([100.0]))
+    assert states[0] is not None
+    view = predict_view(states[0], points(), CAMERA)
+    k = round(100.0 / truth.step_s)
+    true_px = CAMERA.project(points() @ quaternion.to_matrix(truth.q_cam_target[k]).T + truth.t_cam_target_m[k])
+    assert np.linalg.norm(view.keypoints_px - true_px, axis=1).max() < 5.0  # px
+    inside = (true_px >= view.box_xyxy[:2] - 0.5) & (true_px <= view.box_xyxy[2:] + 0.5)
+    assert inside[CAMERA.contains(true_px)].all()
+    assert (view.keypoint_sigma_px < 5.0).all()
+
+
+def test_records_without_what_the_filter_needs_are_refused_in_a_sentence() -> None:
+    _, records = fly()
+    with pytest.raises(InputError, match="star tracker"):
+        scene_of(without(records, "star_tracker"), points(), CAMERA, NavigationConfig())
+    with pytest.raises(InputError, match="the target has 6"):
+        scene_of(records, points()[:6], CAMERA, NavigationConfig())
+    assert records.gyro is not None
+    fast = replace(records, gyro=replace(records.gyro, rate=1000.0 * records.gyro.rate))
+    with pytest.raises(InputError, match="check the unit of the gyro"):
+        scene_of(fast, points(), CAMERA, NavigationConfig())
+    assert records.gnss is not None
+    far = replace(records, gnss=replace(records.gnss, position_m=1000.0 * records.gnss.position_m))
+    with pytest.raises(InputError, match="check their units"):
+        scene_of(far, points(), CAMERA, NavigationConfig())
