@@ -56,9 +56,11 @@ class AccelerometerData:
 
     t: np.ndarray
     specific_force: np.ndarray
+    thrust: np.ndarray
+    """(n,) 1 where a thruster was open during the step, 0 where none was, -1 where nobody knows."""
 
     def __post_init__(self) -> None:
-        _freeze(self, len(self.t), {"t": (), "specific_force": (3,)})
+        _freeze(self, len(self.t), {"t": (), "specific_force": (3,), "thrust": ()})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
