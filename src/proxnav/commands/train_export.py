@@ -8,19 +8,21 @@ import tyro
 
 from proxnav import presets
 from proxnav.commands.progress import progress
-from proxnav.crops import CropConfig, CropJob
 from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
 from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
 from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
-from proxnav.detection.samples import TrainingSample
-from proxnav.detection.sessions import Session, open_session
 from proxnav.detection.training.files import load_weights
-from proxnav.estimator import write_model_card
+from proxnav.errors import InputError
+from proxnav.estimator import PoseEstimator, write_model_card
+from proxnav.evaluation.consistency import nees
+from proxnav.evaluation.pairing import difference
+from proxnav.frames import FrameConfig, FrameJob
+from proxnav.pipeline import draw_scenes
 from proxnav.targets.loading import load_target
 
 _CALIBRATION_SEED = 8_000_001
-_MEDIAN_CHI2_2 = 2.0 * np.log(2.0)  # of the squared normalised error in two dimensions
-_WORST = 25.0  # squared normalised errors above this are confusions, which no scale should cover
+_FEWEST = 50
+_KEPT = 0.98  # beyond this quantile an error is a confusion, which no scale should cover: it counts as the quantile
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,8 @@ class ExportConfig:
     finder_side: int = 256
     net: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
     """Of the crop network, as it was trained."""
-    calibration: int = 400
-    """Fresh ray-cast crops on which the covariances are scaled."""
+    calibration: int = 300
+    """Fresh ray-cast frames on which the covariances are scaled."""
 
 
 def main(argv: list[str]) -> None:
@@ -55,38 +57,38 @@ def main(argv: list[str]) -> None:
     outputs = ("points", "scores", "covariances", "shown")
     export(ReadKeypoints(net), outputs, config.side, config.out, "crop")
     export(FindTarget(finder), ("probability",), config.finder_side, config.out, "finder")
+    card = {
+        "detector": "heatmap",
+        "target": target.name,
+        "keypoint_names": list(target.keypoint_names),
+        "keypoints_m": target.keypoints_m.tolist(),
+        "settings": {"crop_side": config.side, "finder_side": config.finder_side, "spread_scale": 1.0},
+        "network": asdict(shape),
+    }
+    write_model_card(config.out, card)
     scale = calibrate(config)
-    settings = {"crop_side": config.side, "finder_side": config.finder_side, "spread_scale": round(scale, 4)}
-    write_model_card(
-        config.out,
-        {
-            "detector": "heatmap",
-            "target": target.name,
-            "keypoint_names": list(target.keypoint_names),
-            "keypoints_m": target.keypoints_m.tolist(),
-            "settings": settings,
-            "network": asdict(shape),
-        },
-    )
+    card["settings"]["spread_scale"] = round(scale, 4)
+    write_model_card(config.out, card)
     print(f"{config.out}: covariances scaled by {scale:.3f} (standard deviation)")
 
 
 def calibrate(config: ExportConfig) -> float:
-    """Factor on the claimed standard deviations that makes the median squared normalised error that of two normals."""
-    read = open_session(config.out / "crop.onnx")
-    job = CropConfig(config.target, config.side, scenes=presets.OBSERVATION, seed=_CALIBRATION_SEED)
-    make, found = CropJob(job)(), []
+    """Factor on the claimed standard deviations that makes the mean NEES of poses from fresh frames that of 6 normals.
+
+    Errors of neighbouring keypoints are alike, so that a pose is less certain than its keypoints one by one: the scale
+    has to come from poses.
+    """
+    estimator = PoseEstimator.load(str(config.out))
+    preset = replace(presets.preset("observation-10-100m"), target=config.target)
+    make, found = FrameJob(config.target, FrameConfig("raycast"))(), []
     with progress("calibrate", config.calibration) as done:
-        for index in range(config.calibration):
-            found.append(_normalised(read, make(index)))
+        for scene in draw_scenes(preset, config.calibration, _CALIBRATION_SEED):
+            result = estimator(make(scene).image, scene.camera)
+            if result.T_cam_target is not None and result.covariance is not None:
+                found.append(nees(difference(result.T_cam_target, scene.T_cam_target), result.covariance))
             done()
-    squared = np.concatenate(found)
-    return float(np.sqrt(np.median(squared[squared < _WORST]) / _MEDIAN_CHI2_2))
-
-
-def _normalised(read: Session, sample: TrainingSample) -> np.ndarray:
-    """Squared normalised errors of the keypoints inside a crop."""
-    points, _, covariances, _ = read(sample.image[None])
-    error = points[0] - sample.keypoints_px
-    squared = np.einsum("ni,nij,nj->n", error, np.linalg.inv(covariances[0].astype(np.float64)), error)
-    return squared[(sample.visibility > 0) & np.isfinite(squared)]
+    if len(found) < _FEWEST:
+        raise InputError(
+            f"{len(found)} of {config.calibration} frames gave a pose, calibration needs {_FEWEST}: train on"
+        )
+    return float(np.sqrt(np.mean(np.minimum(found, np.quantile(found, _KEPT))) / 6.0))
