@@ -161,7 +161,7 @@ def test_a_line_that_is_no_scene_is_named(tmp_path, line):
     with pytest.raises(InputError, match="line 1"):
         list(Dataset(folder).scenes())
     (folder / "scenes.jsonl").unlink()
-    with pytest.raises(InputError, match="scenes.jsonl: no such file"):
+    with pytest.raises(InputError, match=r"scenes\.jsonl: no such file"):
         list(Dataset(folder).scenes())
 
 
