@@ -16,7 +16,7 @@ from proxnav.detection.keypoint_rcnn.detect import DetectConfig
 from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.sessions import Backend, open_session
 from proxnav.errors import InputError
-from proxnav.geometry import Camera
+from proxnav.geometry import Camera, Pose
 from proxnav.geometry.types import Box, Pixels
 from proxnav.pose.config import PoseConfig
 from proxnav.pose.estimate import estimate_pose
@@ -48,6 +48,8 @@ class PoseEstimator:
     pose: PoseConfig = field(default_factory=PoseConfig)
     look_again: Callable[[np.ndarray, Box], Keypoints] | None = None
     """Reads the image in a box [px]; where there is one, the first pose says where to look closer."""
+    least_median_score: float = 0.0
+    """Of the keypoints that were found: below it the image shows something else (`no_target`), whatever pose fits."""
 
     @staticmethod
     def load(name_or_path: str, backend: Backend = "auto", threads: int = 0) -> "PoseEstimator":
@@ -73,14 +75,20 @@ class PoseEstimator:
         """As calling the estimator, with the keypoints that the pose rests on."""
         check_size(image, camera)
         first = self._observe(self.detect(image), camera)
-        T_cam_target = first[1].T_cam_target
+        second = self._closer(image, camera, first[1].T_cam_target)
+        keypoints, result = first if second is None or second[1].T_cam_target is None else second
+        if result.T_cam_target is not None and median_score(keypoints) < self.least_median_score:
+            result = PoseResult.failure("no_target", len(self.points_target_m))
+        return keypoints, result
+
+    def _closer(
+        self, image: np.ndarray, camera: Camera, T_cam_target: Pose | None
+    ) -> tuple[Keypoints, PoseResult] | None:
+        """A second look where a first pose puts the target; None when there is nothing to look at."""
         if self.look_again is None or T_cam_target is None:
-            return first
+            return None
         box = box_in_image(camera.project(T_cam_target @ self.points_target_m), camera)
-        if box is None:
-            return first
-        second = self._observe(self.look_again(image, box), camera)
-        return second if second[1].T_cam_target is not None else first
+        return None if box is None else self._observe(self.look_again(image, box), camera)
 
     def _observe(self, keypoints: Keypoints, camera: Camera) -> tuple[Keypoints, PoseResult]:
         if keypoints.status != "ok":
@@ -93,6 +101,12 @@ class PoseEstimator:
             self.points_target_m, keypoints.pixels, camera, keypoints.covariances_px2, keypoints.scores, self.pose
         )
         return PoseResult.failure("no_consensus", len(result.inliers)) if _is_vague(result) else result
+
+
+def median_score(keypoints: Keypoints) -> float:
+    """Median score of the keypoints that were found; 0 when there are none."""
+    found = keypoints.scores[keypoints.scores > 0.0]
+    return float(np.median(found)) if found.size else 0.0
 
 
 def box_in_image(pixels: Pixels, camera: Camera) -> Box | None:
@@ -134,7 +148,8 @@ def _assemble(folder: Path, card: dict[str, Any], backend: Backend, threads: int
     # Of many keypoints a handful always agrees by chance, in an image that shows something else altogether.
     pose = PoseConfig(min_inliers=max(4, len(points) // 3), min_inlier_share=0.6)
     look_again = detect if isinstance(detect, HeatmapDetector) else None
-    return PoseEstimator(detect, points, names, card["target"], pose, look_again)
+    least = float(card.get("least_median_score", 0.0))
+    return PoseEstimator(detect, points, names, card["target"], pose, look_again, least)
 
 
 def _heatmap(folder: Path, card: dict[str, Any], backend: Backend, threads: int) -> HeatmapDetector:

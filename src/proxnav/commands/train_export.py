@@ -41,6 +41,8 @@ class ExportConfig:
     finder_side: int = 256
     net: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
     """Of the crop network, as it was trained."""
+    least_median_score: float = 0.92
+    """Median keypoint score below which an image shows no target; docs/heatmap.md says how it was chosen."""
     calibration: int = 300
     """Fresh ray-cast frames on which the covariances are scaled."""
 
@@ -63,6 +65,7 @@ def main(argv: list[str]) -> None:
         "keypoint_names": list(target.keypoint_names),
         "keypoints_m": target.keypoints_m.tolist(),
         "settings": {"crop_side": config.side, "finder_side": config.finder_side, "spread_scale": 1.0},
+        "least_median_score": config.least_median_score,
         "network": asdict(shape),
     }
     write_model_card(config.out, card)
