@@ -12,6 +12,7 @@ from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.sensor.expose import expose
+from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 from proxnav.targets.visibility import visible_keypoints
 
@@ -50,7 +51,7 @@ class FrameJob:
 
     def __call__(self) -> Callable[[SceneSpec], LabelledFrame]:
         target = load_target(self.target)
-        render = _renderer(self.target, self.config)
+        render = _renderer(target, self.config)
 
         def make(scene: SceneSpec) -> LabelledFrame:
             frame = render(scene)
@@ -60,8 +61,7 @@ class FrameJob:
         return make
 
 
-def _renderer(target_name: str, config: FrameConfig) -> Callable[[SceneSpec], Frame]:
-    target = load_target(target_name)
+def _renderer(target: Target, config: FrameConfig) -> Callable[[SceneSpec], Frame]:
     if config.renderer == "raycast":
         return RaycastRenderer(target, RaycastConfig()).render
     return CyclesRenderer(target, CyclesConfig(samples=config.samples, threads=config.threads)).render
