@@ -18,14 +18,16 @@ lint: $(STAMP)
 	$(BIN)/ruff format --check src tests
 	$(BIN)/lint-imports
 	$(BIN)/pyright
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 blender: $(STAMP)
 	$(BIN)/proxnav setup blender
 
 $(STAMP): pyproject.toml
+	@echo "Installing proxnav and its libraries into $(VENV): about 8 GB, five to ten minutes, once."
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
-	$(BIN)/python -m pip install --quiet --editable '.[train,view,dev]'
+	$(BIN)/python -m pip install --quiet --editable '.[train,view,cluster,storage,dev,docs]'
 	touch $@
 
 clean:
