@@ -46,11 +46,12 @@ class LabelledFrame:
 class FrameJob:
     """Builds, once per process, the function that turns scenes of one target into frames. Can be pickled."""
 
-    target: str
+    target: str | Target
+    """By name or file; as a value where the worker may not have the file."""
     config: FrameConfig
 
     def __call__(self) -> Callable[[SceneSpec], LabelledFrame]:
-        target = load_target(self.target)
+        target = self.target if isinstance(self.target, Target) else load_target(self.target)
         render = _renderer(target, self.config)
 
         def make(scene: SceneSpec) -> LabelledFrame:

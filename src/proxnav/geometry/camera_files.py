@@ -9,6 +9,7 @@ import numpy as np
 from proxnav.errors import InputError
 
 _KEYS = ("Nu", "Nv", "cameraMatrix", "distCoeffs")
+_MOST_BYTES = 2**20
 _LARGEST = 1e9  # px; arithmetic on larger numbers overflows
 _PIXEL_PITCH_M = 5.86e-6  # of the SPEED+ camera; only the derived focal length in metres depends on it
 
@@ -64,7 +65,11 @@ def _whole(value: Any) -> int:
 
 def _load(path: Path) -> dict[str, Any]:
     try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{path}: larger than {_MOST_BYTES // 2**20} MiB, which no camera.json is")
         content = json.loads(path.read_text(encoding="utf-8"))
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; give the camera.json of the data set") from None
     except (OSError, ValueError, RecursionError) as error:

@@ -56,6 +56,13 @@ def from_mesh(
     return with_keypoints(target, points, names)
 
 
+def file_extents(path: Path, without: Sequence[str] = ()) -> tuple[float, float, float]:
+    """Extents along the file's axes x, y, z in its own unit."""
+    corners = np.concatenate([part.vertices[np.unique(part.faces)] for part in _kept(path, read_parts(path), without)])
+    x, y, z = np.ptp(corners, axis=0).tolist()
+    return x, y, z
+
+
 def with_keypoints(target: Target, points_m: np.ndarray, names: Sequence[str]) -> Target:
     """The target with these keypoints and, from six on, a well spread subset `six`."""
     first = int(np.argmax(np.linalg.norm(points_m - points_m.mean(axis=0), axis=1)))

@@ -88,7 +88,7 @@ def _thinned(points: Float[np.ndarray, "n 3"], score: Float[np.ndarray, "n"], ce
     return kept if len(kept) <= MAX_CANDIDATES else _thinned(points, score, 1.4 * cell_m)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Symmetry:
     """A turn that brings the shape nearly back onto itself."""
 
@@ -96,9 +96,12 @@ class Symmetry:
     angle_deg: float
     gap: float
     """95th percentile of the distance between the turned surface and the surface, as a share of the radius."""
+    R: np.ndarray
+    """(3, 3) and `t_m` (3,): the turn as p -> R p + t in the target frame."""
+    t_m: np.ndarray
 
 
-def near_symmetries(target: Target, rng: np.random.Generator, limit: float = 0.06) -> list[Symmetry]:
+def near_symmetries(target: Target, rng: np.random.Generator, limit: float = 0.09) -> list[Symmetry]:
     """Half and quarter turns about the principal axes through the surface's centre that leave it nearly unchanged.
 
     Shape only: materials may still tell the poses apart. Such turns are where a keypoint network confuses poses.
@@ -110,9 +113,10 @@ def near_symmetries(target: Target, rng: np.random.Generator, limit: float = 0.0
     found = []
     for name, axis in zip(("long", "middle", "short"), axes, strict=True):
         for angle in (180.0, 90.0):
-            R = Rotation.from_rotvec(np.radians(angle) * axis)
-            distance = tree.query(R.apply(probe - centre) + centre)[0]
+            R = Rotation.from_rotvec(np.radians(angle) * axis).as_matrix()
+            t_m = centre - R @ centre
+            distance = tree.query(probe @ R.T + t_m)[0]
             gap = float(np.percentile(distance, 95)) / target.radius_m
             if gap < limit:
-                found.append(Symmetry(f"{name} axis {np.round(axis, 2).tolist()}", angle, gap))
+                found.append(Symmetry(f"{name} axis {np.round(axis, 2).tolist()}", angle, gap, R, t_m))
     return found

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from jaxtyping import Float, Int
 from proxnav.errors import InputError
 from proxnav.targets.material import Material
 from proxnav.targets.mesh_guard import MAX_ELEMENTS, check_mesh_file
+from proxnav.targets.plain_glb import plain_glb
 from proxnav.targets.texture_tones import Tones, face_tones
 
 
@@ -28,10 +30,11 @@ class FilePart:
 def read_parts(path: Path) -> list[FilePart]:
     """All drawable nodes of a GLB, glTF, OBJ, STL or PLY file, transforms applied; names are unique."""
     kind = check_mesh_file(path)
+    unpacked = plain_glb(path) if kind == "glb" else None
     import trimesh
 
     try:
-        scene = trimesh.load_scene(path, file_type=kind, process=False)
+        scene = trimesh.load_scene(path if unpacked is None else BytesIO(unpacked), file_type=kind, process=False)
         meshes = _in_file_order(scene)
     except InputError:
         raise
@@ -55,6 +58,8 @@ def _in_file_order(scene: Any) -> list[tuple[str, np.ndarray, Any]]:
 
 def _node(node: str, mesh: Any, T: Float[np.ndarray, "4 4"]) -> list[FilePart]:
     """The node's triangles, split by tone when it has a base colour texture."""
+    if np.ndim(mesh.vertices) != 2 or np.shape(mesh.vertices)[1] != 3:
+        raise InputError(f"part '{node}' has vertices without three coordinates; export the mesh again")
     vertices = np.asarray(mesh.vertices, dtype=np.float64) @ T[:3, :3].T + T[:3, 3]
     faces = np.asarray(mesh.faces, dtype=np.int64)
     if np.linalg.det(T[:3, :3]) < 0:  # a mirroring node turns triangles inside out

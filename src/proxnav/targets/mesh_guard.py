@@ -6,16 +6,18 @@ from pathlib import Path
 from typing import Any
 
 from proxnav.errors import InputError
+from proxnav.targets.meshopt import MAX_INFLATION
+from proxnav.targets.plain_glb import MESHOPT, UNPACKED
 
 MAX_BYTES = 512 * 2**20
 MAX_ELEMENTS = 20_000_000
 """Largest number of vertices or indices that a file may claim."""
 _NEEDS_CONVERSION = {
     "KHR_draco_mesh_compression": "gltf-transform copy in.glb out.glb",
-    "EXT_meshopt_compression": "gltf-transform copy in.glb out.glb",
-    "KHR_mesh_quantization": "gltf-transform dequantize in.glb out.glb",
     "KHR_texture_basisu": "gltf-transform ktxdecompress in.glb out.glb",
 }
+_OTHERWISE = "an exporter without this extension"
+_SAVE_AS_GLB = "saving it as one .glb file (compressed buffers are read from GLB alone)"
 _READABLE = {"KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp", "KHR_texture_transform", "KHR_materials_unlit"}
 _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -43,7 +45,8 @@ def _check_glb(path: Path, size: int) -> None:
         version, _, length, kind = struct.unpack("<4I", head[4:])
         if version != 2 or kind != 0x4E4F534A or length > size - 20:
             raise InputError(f"{path}: broken glTF header (version {version}, first chunk of {length} of {size} bytes)")
-        _check_gltf_tree(path, _parsed(path, file.read(length)), size)
+        tree = _parsed(path, file.read(length))
+        _check_gltf_tree(path, tree, size + _decoded_bytes(path, tree, size), UNPACKED)
 
 
 def _check_gltf(path: Path, size: int) -> None:
@@ -55,11 +58,12 @@ def _check_gltf(path: Path, size: int) -> None:
     _check_gltf_tree(path, tree, size + sum(file.stat().st_size for file in beside))
 
 
-def _check_gltf_tree(path: Path, tree: dict[str, Any], available: int) -> None:
+def _check_gltf_tree(path: Path, tree: dict[str, Any], available: int, unpacked: tuple[str, ...] = ()) -> None:
     """Extensions and counts; `available` bounds the bytes that accessors can really refer to."""
-    missing = [str(name) for name in tree.get("extensionsRequired", []) if str(name) not in _READABLE]
+    readable = _READABLE | set(unpacked)
+    missing = [str(name) for name in tree.get("extensionsRequired", []) if str(name) not in readable]
     if missing:
-        how = _NEEDS_CONVERSION.get(missing[0], "an exporter without this extension")
+        how = _SAVE_AS_GLB if missing[0] in UNPACKED else _NEEDS_CONVERSION.get(missing[0], _OTHERWISE)
         raise InputError(f"{path}: needs the glTF extension {missing[0]}, which is not read here; convert with: {how}")
     for uri in _uris(tree):
         if not uri.startswith("data:"):
@@ -68,14 +72,42 @@ def _check_gltf_tree(path: Path, tree: dict[str, Any], available: int) -> None:
         _check_accessor(path, number, accessor, available)
 
 
+def _decoded_bytes(path: Path, tree: dict[str, Any], size: int) -> int:
+    """Bytes that the compressed views of a GLB unpack to; InputError where a claim cannot be true."""
+    total = 0
+    for number, view in enumerate(tree.get("bufferViews", [])):
+        extensions = view.get("extensions") if isinstance(view, dict) else None
+        packed = extensions.get(MESHOPT) if isinstance(extensions, dict) else None
+        if packed is None:
+            continue
+        packed = packed if isinstance(packed, dict) else {}
+        numbers = [packed.get(key, 0) for key in ("count", "byteStride", "byteLength", "byteOffset")]
+        if not all(type(value) is int and value >= 0 for value in numbers):
+            raise InputError(f"{path}: compressed view {number} has no count, stride and length in whole numbers")
+        count, stride, length, offset = numbers
+        allowed = (2, 4) if packed.get("mode") in ("TRIANGLES", "INDICES") else range(4, 257, 4)
+        if stride not in allowed or count > MAX_ELEMENTS or offset + length > size:
+            raise InputError(f"{path}: compressed view {number} claims {count} elements of {stride} bytes; broken file")
+        if count * stride > MAX_INFLATION * (length + 64):
+            raise InputError(f"{path}: compressed view {number} claims {count * stride} bytes out of {length}; refused")
+        total += count * stride
+    if total > MAX_BYTES:
+        raise InputError(f"{path}: unpacks to {total} bytes; expected at most {MAX_BYTES // 2**20} MiB")
+    return total
+
+
 def _check_accessor(path: Path, number: int, accessor: Any, available: int) -> None:
     accessor = accessor if isinstance(accessor, dict) else {}
     count = accessor.get("count")
-    width = _WIDTH.get(accessor.get("type", ""), 0) * _COMPONENT_BYTES.get(accessor.get("componentType", 0), 0)
+    width = _WIDTH.get(str(accessor.get("type")), 0) * _component_bytes(accessor.get("componentType"))
     if not isinstance(count, int) or not width or not 0 <= count <= MAX_ELEMENTS:
         raise InputError(f"{path}: accessor {number} claims {count!r} elements; expected 0 to {MAX_ELEMENTS}")
     if "bufferView" in accessor and count * width > available:
         raise InputError(f"{path}: accessor {number} claims {count} elements of {width} bytes in a file of {available}")
+
+
+def _component_bytes(kind: Any) -> int:
+    return _COMPONENT_BYTES.get(kind, 0) if isinstance(kind, int) else 0
 
 
 def _uris(tree: dict[str, Any]) -> list[str]:
@@ -84,7 +116,12 @@ def _uris(tree: dict[str, Any]) -> list[str]:
 
 
 def _check_inside(path: Path, uri: str) -> None:
-    if "://" in uri or not (path.parent / uri).resolve().is_relative_to(path.parent.resolve()):
+    try:
+        place = (path.parent / uri).resolve()
+        place.exists()
+    except (OSError, ValueError):  # too long, NUL, half a surrogate pair
+        raise InputError(f"{path}: refers to {uri[:80]!r}, which no file can be called") from None
+    if "://" in uri or not place.is_relative_to(path.parent.resolve()):
         raise InputError(f"{path}: refers to '{uri[:80]}' outside its folder; expected files beside it")
 
 
@@ -93,7 +130,7 @@ def _parsed(path: Path, text: bytes) -> dict[str, Any]:
         tree = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(f"{path}: its glTF description is not JSON") from None
-    lists = ("accessors", "buffers", "images", "extensionsRequired")
+    lists = ("accessors", "buffers", "bufferViews", "images", "meshes", "extensionsRequired", "extensionsUsed")
     if not isinstance(tree, dict) or not all(isinstance(tree.get(key, []), list) for key in lists):
         raise InputError(f"{path}: its glTF description has a wrong layout")
     return tree

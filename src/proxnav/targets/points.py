@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.errors import InputError
+from proxnav.targets.mat_file import read_matrices
 
 MAX_BYTES = 16 * 2**20
 MAX_POINTS = 10_000
@@ -50,13 +51,10 @@ def _checked(path: Path, points: np.ndarray, names: list[str] | None) -> Loaded:
 
 
 def _from_mat(path: Path) -> tuple[np.ndarray, list[str] | None]:
-    from scipy.io import loadmat
-
     try:
-        content = loadmat(path)
-    except Exception as error:  # scipy raises many kinds for broken files
-        raise InputError(f"{path}: not a MATLAB file that scipy reads ({error}); save with -v7") from None
-    arrays = {k: v for k, v in content.items() if isinstance(v, np.ndarray) and v.ndim == 2 and v.dtype.kind in "fiu"}
+        arrays = read_matrices(path.read_bytes())
+    except ValueError as error:
+        raise InputError(f"{path}: not a MATLAB file of level 5 ({error}); save with -v7") from None
     known = [name for name in _MAT_NAMES if name in arrays] or [k for k, v in arrays.items() if 3 in v.shape]
     if not known:
         raise InputError(f"{path}: no 3 x n variable such as tango3Dpoints, found {', '.join(arrays) or 'none'}")

@@ -2,6 +2,7 @@
 
 import json
 import zipfile
+import zlib
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, get_args
@@ -14,6 +15,7 @@ from proxnav.targets.target import Target
 
 VERSION = 1
 MAX_BYTES = 1024 * 2**20
+_MOST_JSON = 64 * 2**20
 _ARRAYS = ("vertices_m", "faces", "face_part", "corner_normals", "corner_uv_m")
 
 
@@ -66,6 +68,8 @@ def read_target(path: Path | str) -> Target:
 
 def _content(path: Path) -> dict[str, Any]:
     try:
+        if path.stat().st_size > _MOST_JSON:
+            raise ValueError("too large")
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         raise InputError(f"{path}: not a readable target.json") from None
@@ -86,7 +90,7 @@ def _arrays(path: Path) -> dict[str, np.ndarray]:
             return {name: stored[name] for name in _ARRAYS}
     except InputError:
         raise
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, RuntimeError, zlib.error) as error:
         raise InputError(f"{path}: not a readable mesh ({error}); write it again with proxnav target new") from None
 
 

@@ -13,6 +13,11 @@ from proxnav.targets.patterns.surfaces import nominal_pattern
 from proxnav.targets.randomisation import Look, random_looks
 from proxnav.targets.target import Target
 
+BRIGHTEST = np.float32(0.98)
+"""No surface reflects more."""
+SMOOTHEST = np.float32(0.03)
+"""Least roughness of a pattern."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartTexture:
@@ -31,6 +36,47 @@ class PartTexture:
     """Tangent-space unit normals: x along u, y along v, z outward; None for a flat surface."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PatternedTexture:
+    """A part whose texels follow from its pattern by a few numbers; `painted` works them out.
+
+    tone = 1 + contrast (pattern.tone - 1), a = share pattern.accent;
+    albedo = base tone + a (accent_albedo - base tone), the others likewise.
+    """
+
+    pattern: Pattern
+    base: Float32[np.ndarray, "3"]
+    """Albedo of the body."""
+    accent_albedo: Float32[np.ndarray, "3"]
+    contrast: np.float32
+    share: np.float32
+    metallic: np.float32
+    metallic_step: np.float32
+    """From the body to the accent."""
+    roughness: np.float32
+    accent_roughness: np.float32
+    ior: float
+
+    @property
+    def tile_m(self) -> float:
+        """Length [m] after which it repeats."""
+        return self.pattern.tile_m
+
+    def painted(self) -> PartTexture:
+        """The texels."""
+        pattern = self.pattern
+        tone = 1.0 + self.contrast * (pattern.tone - 1.0)
+        accent = pattern.accent * self.share
+        albedo = np.empty((*tone.shape, 3), np.float32)
+        for band in range(3):  # plane by plane: numpy is slow where the innermost axis is three long
+            body = tone * self.base[band]
+            albedo[..., band] = np.clip(body + accent * (self.accent_albedo[band] - body), 0.0, BRIGHTEST)
+        metallic = np.clip(self.metallic + accent * self.metallic_step, 0.0, 1.0)
+        own = pattern.roughness * self.roughness
+        roughness = np.clip(own + accent * (self.accent_roughness - own), SMOOTHEST, 1.0)
+        return PartTexture(pattern.tile_m, albedo, metallic, roughness, self.ior, pattern.normal)
+
+
 def part_textures(target: Target, strength: float, seed: int) -> tuple[PartTexture, ...]:
     """One texture per part; the same arguments give the same texels on every machine.
 
@@ -39,49 +85,53 @@ def part_textures(target: Target, strength: float, seed: int) -> tuple[PartTextu
     even then dark parts stay darker than light ones in nine of ten seeds: without that a nearly symmetric spacecraft
     cannot be told from itself turned half round.
     """
-    if not 0.0 <= strength <= 1.0:
-        raise InputError(f"texture strength is {strength}; expected 0 (nominal) to 1 (fully random)")
     if strength == 0.0:
         return _nominal(target)
-    looks = random_looks(target.materials, strength, np.random.default_rng(seed))
-    return tuple(_paint(material, look) for material, look in zip(target.materials, looks, strict=True))
+    surfaces = part_surfaces(target, strength, seed)
+    return tuple(surface.painted() if isinstance(surface, PatternedTexture) else surface for surface in surfaces)
+
+
+def part_surfaces(target: Target, strength: float, seed: int) -> tuple[PartTexture | PatternedTexture, ...]:
+    """The same as `part_textures`, but texels that follow from a pattern are not worked out."""
+    if not 0.0 <= strength <= 1.0:
+        raise InputError(f"texture strength is {strength}; expected 0 (nominal) to 1 (fully random)")
+    looks = random_looks(target.materials, strength, np.random.default_rng(seed)) if strength else None
+    looks = looks or [Look(tint=(1.0, 1.0, 1.0))] * len(target.materials)
+    return tuple(
+        _patterned(material, look) if look.mix is None else _random_texture(material, look)
+        for material, look in zip(target.materials, looks, strict=True)
+    )
 
 
 @lru_cache(maxsize=8)
 def _nominal(target: Target) -> tuple[PartTexture, ...]:
-    return tuple(_paint(material, Look(tint=(1.0, 1.0, 1.0))) for material in target.materials)
+    nominal = Look(tint=(1.0, 1.0, 1.0))
+    return tuple(_patterned(material, nominal).painted() for material in target.materials)
 
 
-def _paint(material: Material, look: Look) -> PartTexture:
-    """The texels of a material in a given look."""
-    if look.mix is not None:
-        return _random_texture(material, look)
+def _patterned(material: Material, look: Look) -> PatternedTexture:
+    """The pattern of a material's kind in a given look."""
     pattern = nominal_pattern(material.kind)
-    tone = 1.0 + np.float32(look.contrast) * (pattern.tone - 1.0)
-    base = np.asarray(material.albedo, np.float32) * np.asarray(look.tint, np.float32)
-    accent = (pattern.accent * np.float32(min(look.contrast, 1.0)))[..., None]
-    body = tone[..., None] * base
-    albedo = body + accent * (np.asarray(pattern.accent_albedo, np.float32) * np.float32(look.accent) - body)
-    metallic, roughness = _finish(material, pattern, accent[..., 0], look)
-    return PartTexture(pattern.tile_m, np.clip(albedo, 0.0, 0.98), metallic, roughness, material.ior, pattern.normal)
-
-
-def _finish(
-    material: Material, pattern: Pattern, accent: Float32[np.ndarray, "h w"], look: Look
-) -> tuple[Float32[np.ndarray, "h w"], Float32[np.ndarray, "h w"]]:
-    """Metallic and roughness over the tile."""
-    metallic = np.float32(material.metallic) + accent * np.float32(pattern.accent_metallic - material.metallic)
-    own = pattern.roughness * np.float32(material.roughness * look.roughness)
-    roughness = own + accent * (np.float32(pattern.accent_roughness) - own)
-    return np.clip(metallic, 0.0, 1.0), np.clip(roughness, 0.03, 1.0)
+    return PatternedTexture(
+        pattern=pattern,
+        base=np.asarray(material.albedo, np.float32) * np.asarray(look.tint, np.float32),
+        accent_albedo=np.asarray(pattern.accent_albedo, np.float32) * np.float32(look.accent),
+        contrast=np.float32(look.contrast),
+        share=np.float32(min(look.contrast, 1.0)),
+        metallic=np.float32(material.metallic),
+        metallic_step=np.float32(pattern.accent_metallic - material.metallic),
+        roughness=np.float32(material.roughness * look.roughness),
+        accent_roughness=np.float32(pattern.accent_roughness),
+        ior=material.ior,
+    )
 
 
 def _random_texture(material: Material, look: Look) -> PartTexture:
     """Two colours mixed by a random field, scaled so that the mean has the look's tone."""
     assert look.mix is not None
-    share = np.clip(0.5 + 0.5 * look.mix, 0.0, 1.0)[..., None]
+    share = np.clip(0.5 + 0.5 * look.mix, 0.0, 1.0)
     first, second = np.asarray(look.tint, np.float32), np.asarray(look.second, np.float32)
-    albedo = first + share * (second - first)
+    albedo = np.stack([first[band] + share * (second[band] - first[band]) for band in range(3)], axis=-1)
     albedo *= np.float32(look.tone / max(float(albedo.mean()), 1e-6))
     metallic = np.full(look.mix.shape, look.metallic, np.float32)
     roughness = np.clip(np.float32(look.roughness) * (1.0 + np.float32(0.4) * look.mix), 0.05, 1.0)

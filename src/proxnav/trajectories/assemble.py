@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.datasets.records import Trajectory
+from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import R_eci_lvlh, sun_direction_eci, sun_visible_fraction
 from proxnav.geometry.pointing import continuous, q_a_cam_looking
@@ -34,6 +35,10 @@ class PointingConfig:
     """Of the pointing error."""
 
 
+FARTHEST_M = 1e9
+"""Of a coordinate; the Moon is at 4e8 m."""
+
+
 def assemble(
     epoch_utc: str,
     t: Float[np.ndarray, "n"],
@@ -45,7 +50,15 @@ def assemble(
     pointing: PointingConfig | None = None,
     source: str = "generated",
 ) -> Trajectory:
-    """States (r, v) in ECI [m, m/s] completed by attitudes, Sun vector and eclipse."""
+    """States (r, v) in ECI [m, m/s] completed by attitudes, Sun vector and eclipse.
+
+    InputError beyond `FARTHEST_M`.
+    """
+    for r, _ in (target, chaser):
+        if not (np.abs(r) < FARTHEST_M).all():
+            raise InputError(
+                f"a position has a coordinate of {np.abs(r).max():.3g} m, no orbit of Earth; check the unit"
+            )
     if q_eci_target is None:
         q_eci_target = q_eci_lvlh(*target)
     if q_eci_cam is None:
@@ -72,10 +85,16 @@ def q_eci_lvlh(r_eci_m: Vector3, v_eci_mps: Vector3) -> QuatWxyz:
 
 
 def point_camera(r_cam: Vector3, r_target: Vector3, v_target: Vector3, config: PointingConfig) -> QuatWxyz:
-    """q_eci_cam of a camera at `r_cam` that looks at `r_target`, up as configured, with roll and jitter."""
+    """q_eci_cam of a camera at `r_cam` that looks at `r_target`, up as configured, with roll and jitter.
+
+    InputError where both are one point.
+    """
     lvlh = R_eci_lvlh(r_target, v_target)
     axes = {"zenith": -lvlh[..., 2], "forward": lvlh[..., 0], "cross_track": -lvlh[..., 1]}
-    look = q_a_cam_looking(r_target - r_cam, axes[config.up], axes[_FALLBACK[config.up]])
+    ahead = r_target - r_cam
+    if not (np.linalg.norm(ahead, axis=-1) > 0.0).all():
+        raise InputError("chaser and target are at the same place, no camera can look at the other; check the files")
+    look = q_a_cam_looking(ahead, axes[config.up], axes[_FALLBACK[config.up]])
     roll = quaternion.exp(np.array([0.0, 0.0, np.deg2rad(config.roll_deg)]))
     errors = np.random.default_rng(config.seed).normal(size=r_cam.shape) * np.deg2rad(config.jitter_deg)
     return quaternion.multiply(quaternion.multiply(look, roll), quaternion.exp(errors))

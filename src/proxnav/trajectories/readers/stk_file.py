@@ -79,7 +79,7 @@ def data_rows(file: StkFile, data_blocks: set[str], count_keyword: str) -> tuple
         )
     rows = file.blocks[found[0]]
     declared = file.integer(count_keyword, len(rows))
-    if not rows or len(rows) < declared:
+    if not rows or not 1 <= declared <= len(rows):
         raise InputError(
             f"{file.path}: {count_keyword} says {declared} points, found {len(rows)}: the file is cut off; "
             "export it again or correct the count"

@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from proxnav.datasets.files import refused_csv
 from proxnav.errors import InputError
 from proxnav.trajectories.readers.text import fail, read_lines
 
@@ -29,11 +30,14 @@ class Table:
 def read_csv(path: str | Path, columns: tuple[str, ...]) -> Table:
     """A comma-separated file with a header, which may repeat; without a header `columns` names the cells."""
     lines = read_lines(path)
-    parsed = [
-        (k, [cell.strip() for cell in row])
-        for k, row in enumerate(csv.reader(lines, delimiter=_delimiter(lines)), start=1)
-    ]
+    with refused_csv(Path(path)):
+        parsed = [
+            (k, [cell.strip() for cell in row])
+            for k, row in enumerate(csv.reader(lines, delimiter=_delimiter(lines)), start=1)
+        ]
     filled = [(k, cells) for k, cells in parsed if any(cells) and not cells[0].startswith(("#", "%"))]
+    if not filled:
+        raise InputError(f"{path}: nothing but empty cells and comments; export the table again")
     headers = tuple(filled[0][1]) if _is_header(filled[0][1]) else ()
     names = columns or headers
     if not names:

@@ -11,10 +11,15 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry.types import QuatWxyz
 
+MAX_BYTES = 2**30
+"""Of a trajectory file; a day at 10 Hz takes a tenth of it."""
+
 
 def read_lines(path: str | Path) -> list[str]:
     """The file's lines without line ends and byte-order mark."""
     try:
+        if Path(path).stat().st_size > MAX_BYTES:
+            raise InputError(f"{path}: larger than {MAX_BYTES // 2**20} MiB; export fewer instants")
         raw = Path(path).read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; check the path") from None
