@@ -12,7 +12,7 @@ import numpy as np
 
 from proxnav.datasets.dataset import Dataset, read_image
 from proxnav.datasets.files import inside
-from proxnav.datasets.records import HIDDEN, VISIBLE, FrameLabel
+from proxnav.datasets.records import HIDDEN, VISIBLE
 from proxnav.viewing.overlay import contact_sheet
 
 _COLOURS = {VISIBLE: (90, 230, 90), HIDDEN: (240, 80, 70)}

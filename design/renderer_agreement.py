@@ -1,6 +1,6 @@
 """Ray casting against Cycles over random scenes: masks, depth, radiance. Prints JSON; draws the pairs with --pictures.
 
-    python design/renderer_agreement.py --scenes 50 --size 256 --samples 256 --earth
+    python design/renderer_agreement.py --scenes 50 --earth --out benchmarks/results/render
 
 The ratio of radiances is taken pixel by pixel over what both renderers see as target, where the Sun shines on it: more
 than `LIT` of a sunlit white plate in Cycles' picture. Pixels on silhouettes count only when both cover them fully.
@@ -16,6 +16,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from proxnav.datasets.files import write_json
 from proxnav.datasets.records import Frame, SceneSpec, TextureSpec
 from proxnav.datasets.records.scene import SUN_IRRADIANCE
 from proxnav.geometry import Camera
@@ -33,8 +34,7 @@ def main() -> None:
     """Renders every scene twice and reports each pair and the whole."""
     options = _parse()
     target = load_target("space-rider")
-    fine = RaycastConfig(samples=16, interior_samples=options.interior, sun_samples=16, bounces=options.bounces)
-    cast, rows = RaycastRenderer(target, fine), []
+    cast, rows = RaycastRenderer(target, fine_raycast(options)), []
     cycles_config = CyclesConfig(samples=options.samples, bounces=options.bounces)
     with CyclesRenderer(target, cycles_config) as cycles:
         for index in range(options.scenes):
@@ -44,12 +44,33 @@ def main() -> None:
             between = time.perf_counter()
             b = cycles.render(scene)
             row = {"index": index, "range_m": float(np.linalg.norm(scene.t_cam_target_m)), **compare(a, b)}
+            row = {key: value if isinstance(value, bool | int) else float(value) for key, value in row.items()}
             row |= {"raycast_s": between - start, "cycles_s": time.perf_counter() - between}
             print(json.dumps({key: _short(value) for key, value in row.items()}), flush=True)
             rows.append(row)
             if options.pictures:
                 _draw(Path(options.pictures) / f"agreement-{index:02d}.png", a, b)
-    print(json.dumps(summary(rows), indent=1))
+    found = summary(rows)
+    print(json.dumps(found, indent=1))
+    if options.out:
+        name = f"agreement-{'earth' if options.earth else 'black'}{'-default' if options.default else ''}.json"
+        record = {
+            "options": {key: value for key, value in vars(options).items() if key not in ("out", "pictures")},
+            "summary": found,
+            "scenes": rows,
+        }
+        write_json(Path(options.out) / name, record, indent=1)
+
+
+def fine_raycast(options: argparse.Namespace) -> RaycastConfig:
+    """As many rays as Cycles' picture deserves beside it: foil has detail below a pixel, Earthshine has an edge."""
+    if options.default:
+        return RaycastConfig()
+    n = options.rays
+    return RaycastConfig(
+        samples=n, interior_samples=options.interior, sun_samples=n, bounces=options.bounces, ambient_rays=384,
+        environment_rows=64,
+    )  # fmt: skip
 
 
 def compare(a: Frame, b: Frame) -> dict[str, Any]:
@@ -136,12 +157,15 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--scenes", type=int, default=50)
     parser.add_argument("--size", type=int, default=256, help="pixels")
     parser.add_argument("--samples", type=int, default=256, help="Cycles' paths per pixel")
-    parser.add_argument("--interior", type=int, default=1, help="ray casting's rays per interior pixel")
+    parser.add_argument("--rays", type=int, default=64, help="ray casting's rays per pixel with an edge")
+    parser.add_argument("--interior", type=int, default=64, help="ray casting's rays per interior pixel")
+    parser.add_argument("--default", action="store_true", help="ray casting as `proxnav render` draws")
     parser.add_argument("--bounces", type=int, default=3)
     parser.add_argument("--texture", type=float, default=0.0, help="most texture strength, 0 to 1")
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--earth", action="store_true")
     parser.add_argument("--pictures", help="folder for the pairs")
+    parser.add_argument("--out", help="folder for the figures as JSON")
     return parser.parse_args()
 
 

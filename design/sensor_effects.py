@@ -45,6 +45,7 @@ def panels() -> list[Panel]:
     """The effects one by one."""
     still = ExposureSpec()
     noisy_well = replace(CLEAN, full_well_e=400.0)
+    bad_pixels = replace(CLEAN, hot_pixel_share=1e-3, dead_pixel_share=1e-3, dark_current_e_per_s=1e4)
     return [
         Panel("ideal sensor", CLEAN),
         Panel("cos^4 (40 deg lens)", replace(CLEAN, cos4=True)),
@@ -58,7 +59,7 @@ def panels() -> list[Panel]:
         Panel("read noise 10 DN", replace(CLEAN, read_noise_e=1270.0, black_level_dn=20.0)),
         Panel("PRNU 10 %", replace(CLEAN, prnu=0.10)),
         Panel("row and column 5 DN", replace(CLEAN, row_noise_dn=5.0, column_noise_dn=5.0, black_level_dn=10.0)),
-        Panel("hot pixels 1e-3, 60 C", replace(CLEAN, hot_pixel_share=1e-3, dark_current_e_per_s=1e4)),
+        Panel("hot, dead pixels 1e-3, 60 C", bad_pixels),
         Panel("particles, well 2000 e-", replace(CLEAN, full_well_e=2e3, particle_rate_cm2_s=3e4, readout_s=0.05)),
         Panel("blooming, 3 stops over", replace(CLEAN, blooming=0.9), stops=3.0),
         Panel("Bayer mosaic, x 6", replace(SENSORS["speed-class-colour"], black_level_dn=0.0), zoom=6),
@@ -141,9 +142,15 @@ def tile(image: np.ndarray, caption: str, zoom: int) -> np.ndarray:
     y, x = image.shape[0] // 2, image.shape[1] // 2
     crop = image[y - half : y + half, x - half : x + half]
     out = cv2.resize(crop, (TILE, TILE), interpolation=cv2.INTER_NEAREST if zoom > 1 else cv2.INTER_AREA).copy()
-    cv2.putText(out, caption, (8, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.48, (0, 0, 0), 3, cv2.LINE_AA)
-    cv2.putText(out, caption, (8, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.48, (255, 255, 255), 1, cv2.LINE_AA)
+    write(out, caption, (8, 18), 0.48)
     return out
+
+
+def write(image: np.ndarray, text: str, place: tuple[int, int], scale: float) -> None:
+    """White text with a black rim; a thicker stroke would be wider letters, so the rim is the same text moved."""
+    for dx, dy in [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0)]:
+        cv2.putText(image, text, (place[0] + dx, place[1] + dy), cv2.FONT_HERSHEY_SIMPLEX, scale, (0, 0, 0), 1)
+    cv2.putText(image, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, (255, 255, 255), 1, cv2.LINE_AA)
 
 
 if __name__ == "__main__":

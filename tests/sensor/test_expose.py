@@ -114,6 +114,15 @@ def test_dark_charge_is_poisson_and_hot_pixels_are_rare_and_bright(make_frame, m
     assert (hot > 1000).mean() == pytest.approx(1e-3, rel=0.25)
 
 
+def test_dead_pixels_are_rare_dark_and_always_the_same(make_frame, make_scene):
+    lit, sensor = make_frame(np.full((500, 500), 10.0)), replace(QUIET, dead_pixel_share=1e-3)
+    first, second = (expose(lit, make_scene(sensor, ExposureSpec(1e-3, seed=seed))).image for seed in (1, 2))
+    assert (first == 0).mean() == pytest.approx(1e-3, rel=0.25)
+    assert ((first == 0) == (second == 0)).all()
+    other = expose(lit, make_scene(replace(sensor, serial=9), ExposureSpec(1e-3))).image
+    assert ((first == 0) != (other == 0)).any()
+
+
 def test_cos4_falls_as_the_fourth_power_of_the_cosine(make_frame, make_scene):
     camera = Camera(201, 201, 100.0, 100.0, 100.5, 100.5)
     sensor = replace(QUIET, cos4=True, full_well_e=1e9, gain_e_per_dn=1e4, bits=16)

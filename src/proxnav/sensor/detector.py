@@ -53,13 +53,17 @@ def collect(
 ) -> Float[np.ndarray, "height width"]:
     """Charge [e-] of each pixel: one Poisson draw of photo-electrons times (1 + PRNU) plus dark charge times hot map.
 
+    Dead pixels have no photo-electrons.
+
     The sum of two independent Poisson numbers is Poisson of the summed mean, so one draw serves both.
     """
     electrons = np.empty(signal_e.shape, dtype=np.float32)
-    keys = [noise.stream_key(sensor.serial, name) for name in ("prnu", "hot")]
+    keys = [noise.stream_key(sensor.serial, name) for name in ("prnu", "hot", "dead")]
     shot = noise.stream_key(exposure.seed, "shot")
     dark = dark_electrons(sensor, exposure, exposure_s)
     signal = np.ascontiguousarray(signal_e, dtype=np.float32)
+    if sensor.dead_pixel_share > 0.0:
+        signal = _without_dead(signal, window.x, window.y, keys[2], sensor.dead_pixel_share)
     _collect(signal, electrons, window.x, window.y, keys[0], keys[1], shot, sensor.prnu, dark, sensor.hot_pixel_share)
     return electrons
 
@@ -80,6 +84,18 @@ def digitise(
         electrons, dn, window.x, window.y, read, dsnu, sensor.read_noise_e, sensor.dsnu_e, K, rows, columns, white
     )
     return dn
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def _without_dead(signal, x0, y0, key, share):
+    out = signal.copy()
+    for i in range(out.shape[0]):
+        row = noise.line_key(key, y0 + i)
+        for j in range(out.shape[1]):
+            if noise.uniform(noise.pixel_bits(row, x0 + j)) < share:
+                out[i, j] = 0.0
+    return out
 
 
 _HOT_LOG_LOW, _HOT_LOG_SPAN = math.log(1e2), math.log(1e5 / 1e2)

@@ -89,6 +89,7 @@ class SensorRanges:
     dsnu_e: tuple[float, float] = (0.5, 10.0)
     prnu: tuple[float, float] = (0.003, 0.02)
     hot_pixel_share: tuple[float, float] = (1e-5, 1e-4)
+    dead_pixel_share: tuple[float, float] = (1e-6, 3e-5)
     line_noise_dn: tuple[float, float] = (0.3, 1.0)
     """Of rows and of columns, for 8 bit; scaled to the base's bits."""
     psf_sigma_px: tuple[float, float] = (0.4, 1.0)
@@ -110,11 +111,13 @@ def draw_sensor(rng: np.random.Generator, base: SensorSpec, ranges: SensorRanges
     red, green, blue = (min(value * factor, 0.95) for value in base.quantum_efficiency)
     line_unit = 2.0 ** (base.bits - 8)
     low, high = ranges.aperture_blades
+    serial = int(rng.integers(2**31))
     return replace(
         base,
         **drawn,
         name=f"{base.name}-random",
-        serial=int(rng.integers(2**31)),
+        serial=serial,
+        dead_pixel_share=_draw(np.random.default_rng(serial), *ranges.dead_pixel_share),
         quantum_efficiency=(red, green, blue),
         gain_e_per_dn=0.0,
         row_noise_dn=line_unit * _draw(rng, *ranges.line_noise_dn),

@@ -61,6 +61,20 @@ def test_a_worker_over_its_memory_limit_is_replaced_between_frames(ball, scene):
 
 @pytest.mark.blender
 @pytest.mark.usefixtures("blender")
+def test_a_worker_that_has_drawn_its_frames_is_replaced(ball, scene):
+    with CyclesRenderer(ball, CyclesConfig(samples=4, frames_per_worker=2)) as renderer:
+        first = renderer.render(scene)
+        worker = renderer._worker
+        assert worker is not None
+        renderer.render(scene)
+        assert renderer._worker is None
+        third = renderer.render(scene)
+        assert renderer._worker not in (None, worker)
+    assert first.radiance.tobytes() == third.radiance.tobytes()
+
+
+@pytest.mark.blender
+@pytest.mark.usefixtures("blender")
 def test_a_worker_that_hangs_is_given_up_with_its_last_words(ball, scene):
     config = CyclesConfig(samples=2_000_000, timeout_s=1.0, attempts=1)
     with CyclesRenderer(ball, config) as renderer, pytest.raises(RuntimeError, match=r"no answer in 1 s[^$]*Sample"):

@@ -99,7 +99,7 @@ def test_the_limb_glows_blue_by_day_and_red_at_sunset(over):
 
 def test_space_is_black_above_the_air(over):
     scene = over(*OCEAN, off_nadir_deg=110.0)
-    assert whole(scene).max() == 0.0
+    assert np.mean(whole(scene).max(axis=-1) > 0.0) < 0.01  # but for stars
 
 
 def test_a_window_shows_the_same_pixels_as_the_whole_image(over):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from proxnav.datasets.records import EarthSpec, SceneSpec, SunSpec
 from proxnav.datasets.records.frame import Window
@@ -75,3 +76,31 @@ def test_red_stars_are_red():
     _, light = stars(EMPTY)
     ratio = dict(zip(names, light[:, 0] / light[:, 2], strict=True))
     assert ratio["Betelgeuse"] > 3.0 * ratio["Vega"] > ratio["Spica"]
+
+
+def _aimed_at_sirius(scene):
+    direction = stars(scene)[0][0]
+    R = Rotation.align_vectors([[0.02, -0.03, 1.0]], [direction])[0]
+    return replace(scene, q_cam_target=tuple(R.as_quat(scalar_first=True)), earth=None)
+
+
+def test_a_star_in_the_picture_gives_its_irradiance(over):
+    scene = _aimed_at_sirius(over(0.0, 0.0))
+    camera = scene.camera
+    image = background_image(scene, camera, Window(0, 0, camera.width, camera.height))
+    column, row = (int(x) for x in camera.project(scene.T_cam_target.R @ stars(scene)[0][0]))
+    flux = image[row - 2 : row + 3, column - 2 : column + 3].sum(axis=(0, 1)) / (camera.fx * camera.fy)
+    assert np.allclose(flux, stars(scene)[1][0], rtol=0.01)
+    part = background_image(scene, camera, Window(column, row - 20, 40, 40))
+    assert np.array_equal(part, image[row - 20 : row + 20, column : column + 40])
+
+
+def test_earth_hides_stars(over):
+    scene = _aimed_at_sirius(over(0.0, 0.0))
+    direction = stars(scene)[0][0]
+    earth = over(0.0, 0.0).earth
+    window = Window(0, 0, scene.camera.width, scene.camera.height)
+    before = replace(earth, r_target_earth_m=tuple(6.8e6 * direction), atmosphere=False, city_lights=False)
+    night = replace(scene, earth=before, sun=replace(scene.sun, direction_target=tuple(direction)))
+    assert background_image(scene, scene.camera, window).max() > 1e-4
+    assert background_image(night, scene.camera, window).max() < 1e-6

@@ -25,4 +25,4 @@ def _even(target: Target, strength: float, seed: int) -> tuple[PartTexture, ...]
 @pytest.fixture
 def even_surfaces(monkeypatch: pytest.MonkeyPatch) -> None:
     """Surfaces without the unevenness of real paint."""
-    monkeypatch.setattr(model, "part_textures", _even)
+    monkeypatch.setattr(model, "part_surfaces", _even)

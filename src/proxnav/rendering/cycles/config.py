@@ -29,15 +29,17 @@ class CyclesConfig:
     """Pixels per pixel and axis of the undistorted picture from which a distorted lens is resampled."""
     memory_limit_mb: float = 4096.0
     """A worker that holds more after a frame is replaced before the next one."""
+    frames_per_worker: int = 1000
+    """A worker is replaced after so many, whatever it holds; a start costs two seconds."""
     timeout_s: float = 900.0
     """A worker that gives no frame in this time is replaced and the frame repeated."""
     attempts: int = 3
     """How often one frame is tried before the error is shown."""
 
     def __post_init__(self) -> None:
-        counts = (self.samples, self.environment_rows, self.attempts)
+        counts = (self.samples, self.environment_rows, self.attempts, self.frames_per_worker)
         if min(counts) < 1 or self.bounces < 0 or self.threads < 0 or self.oversampling < 2:
             raise InputError(
-                "Cycles needs samples, environment_rows and attempts >= 1, bounces and threads >= 0 and "
-                f"oversampling >= 2, found {self}"
+                "Cycles needs samples, environment_rows, attempts and frames_per_worker >= 1, bounces and threads "
+                f">= 0 and oversampling >= 2, found {self}"
             )

@@ -27,8 +27,8 @@ _START_S = 300.0  # Blender's first start on a cold disk
 class CyclesRenderer:
     """Renders scenes of one target; a context manager that owns one Blender worker.
 
-    A worker that dies, hangs or outgrows its memory limit is replaced and the frame repeated: the frame depends on the
-    scene alone, not on the worker's past.
+    A worker that dies or hangs is replaced and the frame repeated; one that outgrows its memory limit or has drawn its
+    number of frames is replaced after it. The frame depends on the scene alone, not on the worker's past.
     """
 
     def __init__(self, target: Target, config: CyclesConfig | None = None) -> None:
@@ -38,6 +38,7 @@ class CyclesRenderer:
         self._mesh = mesh_arrays(target)
         self._worker: Worker | None = None
         self._painted: TextureSpec | None = None
+        self._drawn = 0
 
     def __enter__(self) -> "CyclesRenderer":
         return self
@@ -49,7 +50,7 @@ class CyclesRenderer:
         """Ends the worker; the next frame would start another."""
         if self._worker is not None:
             self._worker.stop()
-        self._worker, self._painted = None, None
+        self._worker, self._painted, self._drawn = None, None, 0
 
     def render(self, scene: SceneSpec, window: Window | None = None) -> Frame:
         """Linear radiance and exact geometry of a scene, over the whole image or a window of it."""
@@ -77,7 +78,8 @@ class CyclesRenderer:
                 self.close()
                 raise
             else:
-                if worker.memory_mb > self.config.memory_limit_mb:
+                self._drawn += 1
+                if worker.memory_mb > self.config.memory_limit_mb or self._drawn >= self.config.frames_per_worker:
                     self.close()
                 return results
         raise RuntimeError(f"frame {scene.index} failed {len(deaths)} times: {deaths[-1]}")

@@ -4,7 +4,7 @@ import math
 from functools import cache, lru_cache
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from proxnav.datasets.records import SceneSpec, Window
 from proxnav.geometry import Camera, quaternion
@@ -14,13 +14,14 @@ from proxnav.rendering.earth.clouds import clouds
 from proxnav.rendering.earth.ellipsoid import stretched
 from proxnav.rendering.earth.image import block_px, draw, lattice_rays, lattice_size, room, shade_many
 from proxnav.rendering.earth.imagery import ground_pyramid
+from proxnav.rendering.earth.star_image import add_stars
 from proxnav.rendering.earth.state import SIZE, Eye, World
 
 
 @lru_cache(maxsize=64)
-def _world(cover: float, seed: int) -> World:
+def _world(cover: float, seed: int, image: str) -> World:
     air = atmosphere.air()
-    return World(air.transmittance, air.multiple, air.sky_irradiance, ground_pyramid(), clouds(cover, seed))
+    return World(air.transmittance, air.multiple, air.sky_irradiance, ground_pyramid(), clouds(cover, seed, image))
 
 
 def _eye(scene: SceneSpec, r_target_eye_m: np.ndarray, show_sun: bool) -> tuple[Eye, Aerial, np.ndarray]:
@@ -55,7 +56,7 @@ def _radiance(
     if scene.earth is None:
         return _empty_space(scene, directions) if show_sun else out
     eye, aerial, R_ecef_target = _eye(scene, r_target_eye_m, show_sun)
-    world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
+    world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed, scene.earth.cloud_image)
     shade_many(eye, world, aerial, room(), directions @ R_ecef_target.T, pixel_rad, out)
     return out
 
@@ -85,25 +86,39 @@ def background_radiance(
 
 
 def background_image(
-    scene: SceneSpec, camera: Camera, window: Window, supersample: int = 1
+    scene: SceneSpec,
+    camera: Camera,
+    window: Window,
+    supersample: int = 1,
+    hidden: Bool[np.ndarray, "h w"] | None = None,
 ) -> Float[np.ndarray, "h w 3"]:
-    """Mean radiance [W/(m^2 sr)] of each pixel of a window of the (distorted) camera, without the target."""
+    """Mean radiance [W/(m^2 sr)] of each pixel of a window of the (distorted) camera, without the target.
+
+    Pixels that are `hidden` need not be drawn; what stands there means nothing.
+    """
     n = supersample
     if n > 1:
         fine = Window(window.x * n, window.y * n, window.width * n, window.height * n)
         image = background_image(scene, camera.resized(camera.width * n, camera.height * n), fine)
         return image.reshape(window.height, n, window.width, n, 3).mean(axis=(1, 3), dtype=np.float32)
-    if scene.earth is None:
-        return _empty_image(scene, camera, window)
+    hidden = np.zeros((window.height, window.width), bool) if hidden is None else hidden
+    out = _empty_image(scene, camera, window) if scene.earth is None else _earth_image(scene, camera, window, hidden)
+    add_stars(out, scene, camera, window)
+    return out
+
+
+def _earth_image(scene: SceneSpec, camera: Camera, window: Window, hidden: np.ndarray) -> np.ndarray:
+    assert scene.earth is not None
     eye, aerial, R_ecef_target = _eye(scene, _camera_position(scene), show_sun=True)
     R_ecef_cam = R_ecef_target @ scene.T_cam_target.R.T
-    world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed)
+    world = _world(scene.earth.cloud_cover, scene.earth.cloud_seed, scene.earth.cloud_image)
     out = np.zeros((window.height, window.width, 3), dtype=np.float32)
     rays = lattice_rays(camera)
     block = block_px(camera)
     shape = lattice_size(block, window.x, window.y, window.width, window.height)
     states, ends = np.empty((*shape, SIZE), dtype=np.float32), np.empty(shape, dtype=np.int64)
-    draw(eye, world, aerial, room(), states, ends, rays, R_ecef_cam, block, window.x, window.y, 1.0 / camera.fx, out)
+    place = block, window.x, window.y, 1.0 / camera.fx
+    draw(eye, world, aerial, room(), states, ends, rays, R_ecef_cam, *place, hidden, out)
     return out
 
 

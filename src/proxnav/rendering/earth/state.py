@@ -14,7 +14,7 @@ from proxnav.rendering.earth.aerial import CLOUD, CLOUD_TOP_M, GROUND, SKY, look
 from proxnav.rendering.earth.atmosphere import SUN_MU_MAX, SUN_MU_MIN, SUN_NODES, sun_transmittance
 from proxnav.rendering.earth.clouds import Clouds
 from proxnav.rendering.earth.ellipsoid import A_M, STRETCH, near_hit
-from proxnav.rendering.earth.kernel import kernel
+from proxnav.rendering.earth.kernel import inlined, kernel
 from proxnav.rendering.earth.surface import fresnel_water, glint, wind_mps
 
 # Columns of the row. Triples are red, green, blue and hold radiances [W/(m^2 sr)] at the eye, path losses included.
@@ -82,7 +82,7 @@ def _place(o, t, dx, dy, dz):
     return x * s, y * s, z * s
 
 
-@kernel()
+@inlined()
 def _light(eye, world, height_m, mu_sun, st, direct, diffuse):
     """Sun and sky on a white surface at a height, times the path's transmittance, which st[direct:] holds on entry."""
     s = (1.0, 1.0, 1.0)
@@ -104,7 +104,7 @@ def _airglow_path(radius, down, passes):
     return passes * (math.sqrt(max(0.0, outer)) - math.sqrt(max(0.0, inner)))
 
 
-@kernel()
+@inlined()
 def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air):
     """Air in front into st[air:], transmittance of the path into st[direct:]."""
     if not eye.atmosphere:
@@ -148,7 +148,7 @@ def ray_state(eye, world, aerial, work, dx, dy, dz, pixel_rad, st):
     return ON_CLOUD if has_cloud else IN_AIR
 
 
-@kernel()
+@inlined()
 def _ground_state(eye, world, t, ux, uy, uz, dx, dy, dz, nu, pixel_rad, st):
     to = eye.sun
     x, y, z = _place(eye.origin, t, ux, uy, uz)
@@ -175,10 +175,10 @@ def _ground_state(eye, world, t, ux, uy, uz, dx, dy, dz, nu, pixel_rad, st):
     if mu > 0.0 and world.clouds.threshold < cl.NONE:
         away = 0.6 * CLOUD_TOP_M / max(mu, 0.08)
         wide = max(1.5e3, footprint)
-        st[SHADOW] = cl.opacity(world.clouds, _field_sunward(world, x, y, z, lon, lat, away, wide, st))
+        st[SHADOW] = cl.opacity(world.clouds, _field_sunward(world, x, y, z, lon, lat, away, wide, st), 1.0)
 
 
-@kernel()
+@inlined()
 def _sunward(eye, x, y, z, st):
     """Unit step along the ground towards the Sun into st[TOWARD:]."""
     to = eye.sun
@@ -188,7 +188,7 @@ def _sunward(eye, x, y, z, st):
     st[TOWARD], st[TOWARD + 1], st[TOWARD + 2] = tx / length, ty / length, tz / length
 
 
-@kernel()
+@inlined()
 def _field_sunward(world, x, y, z, lon, lat, distance_m, footprint_m, st):
     """Cloud field at a place moved along st[TOWARD:]."""
     tx, ty, tz = st[TOWARD], st[TOWARD + 1], st[TOWARD + 2]
@@ -198,7 +198,7 @@ def _field_sunward(world, x, y, z, lon, lat, distance_m, footprint_m, st):
     return cl.field(world.clouds, x + s * tx, y + s * ty, z + s * tz, lon + d_lon, lat + d_lat, footprint_m)
 
 
-@kernel()
+@inlined()
 def _cloud_state(eye, world, t, ux, uy, uz, dx, dy, dz, pixel_rad, st):
     to = eye.sun
     x, y, z = _place(eye.origin, t, ux, uy, uz)

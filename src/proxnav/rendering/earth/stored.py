@@ -8,13 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-
-def cache_folder() -> Path:
-    """Folder for tables made at first use: `PROXNAV_CACHE`, or `proxnav` in the user's cache folder."""
-    named = os.environ.get("PROXNAV_CACHE")
-    if named:
-        return Path(named)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "proxnav"
+from proxnav.datasets.cache import cache_folder
 
 
 def stored(name: str, make: Callable[[], np.ndarray]) -> np.ndarray:
@@ -33,7 +27,7 @@ def stored(name: str, make: Callable[[], np.ndarray]) -> np.ndarray:
 
 
 def _mapped(path: Path) -> np.ndarray:
-    array = np.asarray(np.load(path, mmap_mode="r"))
+    array = np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
     array.max()  # touches every page once: the resident size does not grow later, frame by frame
     return array
 

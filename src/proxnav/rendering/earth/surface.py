@@ -6,7 +6,7 @@ import numpy as np
 
 from proxnav.rendering.earth import noise
 from proxnav.rendering.earth.imagery import BLUE, CITY, GREEN, RED, SLOPE_EAST, SLOPE_NORTH
-from proxnav.rendering.earth.kernel import kernel
+from proxnav.rendering.earth.kernel import inlined, kernel
 
 WIND_MPS = 5.0  # m/s at 12.5 m, mean over the sea
 WATER_REFLECTANCE = np.array([0.006, 0.016, 0.030])  # diffuse, from below the surface of clear ocean
@@ -23,7 +23,7 @@ def fresnel_water(cos_i):
     return 0.5 * (s * s + p * p)
 
 
-@kernel()
+@inlined()
 def glint(cos_view, cos_sun, cos_between, wind):
     """Radiance of the Sun mirrored in waves per unit irradiance [1/sr].
 
@@ -42,7 +42,7 @@ def glint(cos_view, cos_sun, cos_between, wind):
     return fresnel_water(half) * slopes / (4.0 * grazing * cos2 * cos2)
 
 
-@kernel()
+@inlined()
 def wind_mps(table, x, y, z):
     """Wind over the sea at a point of the unit sphere: calm patches and fresh ones, 20 to 500 km wide."""
     gusts, _ = noise.sample(table, x * 3.1, y * 3.1, z * 3.1)
@@ -57,7 +57,7 @@ def _crisp(f):
     return f * f * (3.0 - 2.0 * f)
 
 
-@kernel()
+@inlined()
 def read_ground(level, lon, lat, out):
     """Channels of a ground map, bilinear, decoded into `out` (7)."""
     rows, columns = level.shape[0], level.shape[1]

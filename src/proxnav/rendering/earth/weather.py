@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from proxnav.rendering.earth.noise import SIZE, table
+from proxnav.rendering.earth.noise import SIZE, fractal
 from proxnav.rendering.earth.stored import stored
 
 ROWS, COLUMNS = 1024, 2048
@@ -35,7 +35,7 @@ def _noise_at(points: np.ndarray, scale: float, offset: float) -> np.ndarray:
     from scipy.ndimage import map_coordinates
 
     cells = np.moveaxis((points * scale + offset) * SIZE, -1, 0)
-    return map_coordinates(table()[..., 0], cells, order=1, mode="grid-wrap")
+    return map_coordinates(fractal(), cells, order=1, mode="grid-wrap")
 
 
 def _stream(where: np.ndarray) -> np.ndarray:

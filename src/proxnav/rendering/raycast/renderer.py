@@ -41,15 +41,22 @@ class RaycastRenderer:
         camera = camera or scene.camera
         window = window or Window(0, 0, camera.width, camera.height)
         foreground = self._foreground(scene, camera, window)
-        background = background_image(scene, camera, window)
+        background = background_image(scene, camera, window, hidden=foreground.coverage == 1.0)
         radiance = foreground.radiance + (1.0 - foreground.coverage[..., None]) * background
         return Frame(window, radiance.astype(np.float32), foreground.depth_m, foreground.part, foreground.coverage)
+
+    def _finest_m(self, scene: SceneSpec, camera: Camera) -> float:
+        """Width [m] on the target of the narrowest ray that may be cast."""
+        mesh = self._model.mesh
+        nearest = float(np.linalg.norm(scene.T_cam_target.inverse().t_m - mesh.centre)) - mesh.radius
+        samples = max(self.config.samples, self.config.interior_samples)
+        return max(nearest, 0.0) / np.sqrt(camera.fx * camera.fy * samples)
 
     def _foreground(self, scene: SceneSpec, camera: Camera, window: Window) -> Frame:
         """The target alone, on black, radiance multiplied by coverage."""
         model = self._model
         frame = _empty(window)
-        textures = model.textures(scene.texture)
+        textures = model.textures(scene.texture, self._finest_m(scene, camera))
         lights = light_up(scene, model, textures, self.config)
         view = look(model, textures, lights, camera, scene.T_cam_target, self.config.reflections)
         halo = 1 + _penumbra_px(view) if lights.has_sun else 1

@@ -7,38 +7,15 @@ what a level averages away comes back as roughness (M. Olano, D. Baker, "LEAN ma
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
-import cv2
 import numpy as np
 from jaxtyping import Float32, Float64, Int32
 from numba import njit
 
+from proxnav.rendering.raycast.mip_levels import CHANNELS, Surface, fill_levels, surface_size
 from proxnav.targets import Material
 
-CHANNELS = 12
-"""Colour of the matt share (3), metallic, colour of the metal share (3), alpha, slope along u, slope along v, half of
-the slopes' second moment, unused."""
-
-
 _SHARPER = 0.8  # bilinear lookups widen texels of size s to a variance of 3 s^2 / 12; a pixel has 1 / 12: s = 2^-0.8
-
-
-class SurfaceTexture(Protocol):
-    """What `proxnav.targets.textures` gives for one part."""
-
-    @property
-    def tile_m(self) -> float: ...
-    @property
-    def albedo(self) -> np.ndarray: ...
-    @property
-    def metallic(self) -> np.ndarray: ...
-    @property
-    def roughness(self) -> np.ndarray: ...
-    @property
-    def ior(self) -> float: ...
-    @property
-    def normal(self) -> np.ndarray | None: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,8 +25,9 @@ class TexelTable:
     texels: Float32[np.ndarray, "n_texels 12"]
     levels: Int32[np.ndarray, "n_levels 3"]
     """First texel, height and width of each level."""
-    parts: Float64[np.ndarray, "n_parts 8"]
-    """First level, number of levels, tile along u and v [m], index of refraction, emission (3)."""
+    parts: Float64[np.ndarray, "n_parts 10"]
+    """First level, number of levels, tile along u and v [m], index of refraction, emission (3), number of finer levels
+    that were left out, side of a texel of the finest of all [m]."""
     means: Float32[np.ndarray, "n_parts 12"]
     """The coarsest texel of each part, for light that bounces."""
 
@@ -59,50 +37,50 @@ class TexelTable:
         return self.means[:, :3] + self.means[:, 4:7]
 
 
-def build_table(textures: Sequence[SurfaceTexture], materials: Sequence[Material]) -> TexelTable:
-    """The table of one texture per part."""
-    texels, levels, parts, means = [], [], [], []
-    count = 0
-    for texture, material in zip(textures, materials, strict=True):
-        chain = _mip_chain(_pack(texture))
-        tile = np.broadcast_to(np.asarray(texture.tile_m, dtype=np.float64), (2,))
-        parts.append([len(levels), len(chain), *tile, texture.ior, *material.emission])
-        for level in chain:
-            levels.append([count, *level.shape[:2]])
-            texels.append(level.reshape(-1, CHANNELS))
-            count += len(texels[-1])
-        means.append(chain[-1].reshape(CHANNELS))
-    return TexelTable(
-        np.ascontiguousarray(np.concatenate(texels), np.float32), np.array(levels, np.int32), np.array(parts),
-        np.array(means, np.float32),
-    )  # fmt: skip
+def build_table(surfaces: Sequence[Surface], materials: Sequence[Material], finest_m: float = 0.0) -> TexelTable:
+    """The table of one surface per part, without the levels that footprints of `finest_m` and more do not read.
+
+    Leaving them out changes no value that `sample` gives for such footprints, not by a bit.
+    """
+    chains = [_chain(surface, finest_m) for surface in surfaces]
+    sizes = np.array([size for chain in chains for size in chain.sizes], np.int32)
+    first = np.concatenate([[0], np.cumsum(sizes.prod(axis=1))]).astype(np.int32)
+    texels = np.empty((first[-1], CHANNELS), np.float32)
+    parts, means, row = [], [], 0
+    for surface, material, chain in zip(surfaces, materials, chains, strict=True):
+        end = row + len(chain.sizes)
+        fill_levels(surface, chain.skip, sizes[row:end], texels[first[row] : first[end]])
+        parts.append(
+            [row, end - row, chain.tile_m, chain.tile_m, surface.ior, *material.emission, chain.skip, chain.texel_m]
+        )
+        means.append(texels[first[end] - 1])
+        row = end
+    levels = np.concatenate([first[:-1, None], sizes], axis=1)
+    return TexelTable(texels, levels, np.array(parts), np.array(means))
 
 
-def _pack(texture: SurfaceTexture) -> np.ndarray:
-    """(h, w, 12) float32 of one texture."""
-    packed = np.zeros((*texture.albedo.shape[:2], CHANNELS), np.float32)
-    metallic = np.asarray(texture.metallic)[..., None]
-    packed[..., :3] = (1.0 - metallic) * texture.albedo
-    packed[..., 3:4] = metallic
-    packed[..., 4:7] = metallic * texture.albedo
-    packed[..., 7] = np.asarray(texture.roughness) ** 2
-    if texture.normal is not None:
-        slope = texture.normal[..., :2] / np.maximum(texture.normal[..., 2:], 0.1)
-        if slope.shape[:2] != packed.shape[:2]:
-            slope = cv2.resize(slope, packed.shape[1::-1], interpolation=cv2.INTER_AREA)
-        packed[..., 8:10] = slope
-        packed[..., 10] = 0.5 * (slope**2).sum(axis=-1)
-    return packed
+@dataclass(frozen=True, slots=True)
+class _Chain:
+    """The mip levels of one texture that are kept."""
+
+    sizes: list[tuple[int, int]]
+    """(rows, columns) of each, down to one texel."""
+    skip: int
+    """Number of finer ones that are not."""
+    tile_m: float
+    texel_m: float
+    """Side of a texel of the finest level, kept or not."""
 
 
-def _mip_chain(level: np.ndarray) -> list[np.ndarray]:
-    """The texture and its halvings down to one texel."""
-    chain = [level]
-    while max(chain[-1].shape[:2]) > 1:
-        h, w = (max(1, size // 2) for size in chain[-1].shape[:2])
-        halves = [cv2.resize(chain[-1][..., c : c + 4], (w, h), interpolation=cv2.INTER_AREA) for c in (0, 4, 8)]
-        chain.append(np.concatenate([half.reshape(h, w, 4) for half in halves], axis=-1))
-    return chain
+def _chain(surface: Surface, finest_m: float) -> _Chain:
+    h, w = surface_size(surface)
+    sizes = [(h, w)]
+    while max(sizes[-1]) > 1:
+        sizes.append((max(1, sizes[-1][0] // 2), max(1, sizes[-1][1] // 2)))
+    texel = float(surface.tile_m / np.sqrt(h * w))
+    level = np.log2(max(0.999 * finest_m, 1e-9) / texel) - _SHARPER
+    skip = int(np.clip(np.floor(level), 0, len(sizes) - 1))
+    return _Chain(sizes[skip:], skip, surface.tile_m, texel)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -122,17 +100,17 @@ def _bilinear(texels, first, h, w, u, v, weight, out):
 @njit(cache=True, nogil=True, error_model="numpy")
 def sample(texels, levels, part, u_m, v_m, footprint_m, out):
     """Fills `out` (12) with the texture at (u, v) [m] averaged over `footprint_m`; 10 is the slopes' variance."""
-    first, count = int(part[0]), int(part[1])
+    first, count, skip = int(part[0]), int(part[1]), int(part[8])
     u, v = u_m / part[2], v_m / part[3]
-    texel = np.sqrt(part[2] * part[3] / (levels[first, 1] * levels[first, 2]))
-    level = min(max(np.log2(max(footprint_m, 1e-9) / texel) - _SHARPER, 0.0), count - 1.0)
-    low = min(int(level), count - 1)
+    level = min(max(np.log2(max(footprint_m, 1e-9) / part[9]) - _SHARPER, np.float64(skip)), skip + count - 1.0)
+    low = min(int(level), skip + count - 1)
     blend = level - low
     for c in range(11):
         out[c] = 0.0
-    _bilinear(texels, levels[first + low, 0], levels[first + low, 1], levels[first + low, 2], u, v, 1.0 - blend, out)
+    at = first + low - skip
+    _bilinear(texels, levels[at, 0], levels[at, 1], levels[at, 2], u, v, 1.0 - blend, out)
     if blend > 0.0:
-        high = first + low + 1
+        high = at + 1
         _bilinear(texels, levels[high, 0], levels[high, 1], levels[high, 2], u, v, blend, out)
     # at the finest level the normal itself is interpolated: nothing has been averaged away yet
     out[10] = max(0.0, out[10] - 0.5 * (out[8] * out[8] + out[9] * out[9])) * min(level, 1.0)

@@ -1,0 +1,181 @@
+"""From a part's surface to the levels of its texels, row by row in planes, so that the processor's wide registers help.
+
+A patterned surface is worked out here, in the arithmetic of `targets/textures.py` and with the same bits, and never
+stored whole: a new look of the target costs little more than reading its patterns.
+"""
+
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from jaxtyping import Float32
+from numba import njit
+
+from proxnav.targets.patterns.pattern import Pattern
+from proxnav.targets.textures import BRIGHTEST, SMOOTHEST, PartTexture, PatternedTexture
+
+CHANNELS = 12
+"""Colour of the matt share (3), metallic, colour of the metal share (3), alpha, slope along u, slope along v, half of
+the slopes' second moment, unused."""
+PLANES = 11
+"""Channels that are in use."""
+
+Surface = PartTexture | PatternedTexture
+
+
+def surface_size(surface: Surface) -> tuple[int, int]:
+    """(rows, columns) of the finest texels."""
+    h, w = surface.pattern.tone.shape if isinstance(surface, PatternedTexture) else surface.metallic.shape
+    return h, w
+
+
+def fill_levels(surface: Surface, skip: int, sizes: np.ndarray, texels: Float32[np.ndarray, "n 12"]) -> None:
+    """Writes the levels from `skip` on, each a halving of the one before, of (rows, columns) as `sizes` says."""
+    h, w = surface_size(surface)
+    half = max(1, h // 2) * max(1, w // 2)
+    scratch = np.empty((2, PLANES, half), np.float32)
+    if isinstance(surface, PatternedTexture):
+        p = surface.pattern
+        numbers = np.array([
+            *surface.base, *surface.accent_albedo, surface.contrast, surface.share, surface.metallic,
+            surface.metallic_step, surface.roughness, surface.accent_roughness,
+        ], np.float32)  # fmt: skip
+        _fill_patterned(p.tone, p.accent, p.roughness, _pattern_slopes(p), numbers, skip, scratch, sizes, texels)
+    else:
+        planes = surface.albedo, surface.metallic, surface.roughness, _slopes(surface.normal, (h, w))
+        _fill_painted(*planes, skip, scratch, sizes, texels)
+
+
+@lru_cache(maxsize=16)
+def _pattern_slopes(pattern: Pattern) -> np.ndarray:
+    return _slopes(pattern.normal, pattern.tone.shape)
+
+
+def _slopes(normal: np.ndarray | None, shape: tuple[int, ...]) -> np.ndarray:
+    """(2, h, w) slopes along u and along v; (2, 0, 0) for a flat surface."""
+    if normal is None:
+        return np.zeros((2, 0, 0), np.float32)
+    slope = normal[..., :2] / np.maximum(normal[..., 2:], np.float32(0.1))
+    if slope.shape[:2] != shape:
+        slope = cv2.resize(slope, shape[::-1], interpolation=cv2.INTER_AREA)
+    return np.ascontiguousarray(np.moveaxis(slope, -1, 0))
+
+
+_ONE, _HALF, _QUARTER, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.25), np.float32(0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _finish_row(slope, y, out):
+    """Planes that follow from albedo 0-2, metallic 3 and roughness 7: colours by share of metal, alpha, slopes."""
+    w = out.shape[1]
+    for x in range(w):
+        m, r = out[3, x], out[7, x]
+        matt = _ONE - m
+        out[4, x], out[5, x], out[6, x] = m * out[0, x], m * out[1, x], m * out[2, x]
+        out[0, x], out[1, x], out[2, x] = matt * out[0, x], matt * out[1, x], matt * out[2, x]
+        out[7, x] = r * r
+    if slope.shape[1] == 0:
+        out[8:11] = _ZERO
+        return
+    u, v = slope[0, y], slope[1, y]
+    for x in range(w):
+        out[8, x], out[9, x], out[10, x] = u[x], v[x], _HALF * (u[x] * u[x] + v[x] * v[x])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _patterned_row(tone, accent, rough, slope, n, y, out):
+    """Fills the planes (11, w) of one row of a patterned surface, in the arithmetic of `PatternedTexture.painted`."""
+    t, a, q = tone[y], accent[y], rough[y]
+    for x in range(out.shape[1]):
+        shade, share = _ONE + n[6] * (t[x] - _ONE), a[x] * n[7]
+        for c in range(3):
+            body = shade * n[c]
+            out[c, x] = min(max(body + share * (n[3 + c] - body), _ZERO), BRIGHTEST)
+        out[3, x] = min(max(n[8] + share * n[9], _ZERO), _ONE)
+        own = q[x] * n[10]
+        out[7, x] = min(max(own + share * (n[11] - own), SMOOTHEST), _ONE)
+    _finish_row(slope, y, out)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _painted_row(albedo, metallic, roughness, slope, y, out):
+    """Fills the planes (11, w) of one row of a painted surface."""
+    for x in range(out.shape[1]):
+        for c in range(3):
+            out[c, x] = albedo[y, x, c]
+        out[3, x], out[7, x] = metallic[y, x], roughness[y, x]
+    _finish_row(slope, y, out)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _halve_rows(top, bottom, out):
+    """Means of 2 x 2 texels of two rows of w, a power of two as our textures have; of 2 where they are one wide."""
+    w = top.shape[1]
+    for c in range(PLANES):
+        a, b = top[c], bottom[c]
+        if w == 1:
+            out[c, 0] = _QUARTER * ((a[0] + a[0]) + (b[0] + b[0]))
+        for x in range(w // 2):
+            out[c, x] = _QUARTER * ((a[2 * x] + a[2 * x + 1]) + (b[2 * x] + b[2 * x + 1]))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _store(planes, texels):
+    """Planes (11, n) into texels (n, 12)."""
+    for i in range(planes.shape[1]):
+        for c in range(PLANES):
+            texels[i, c] = planes[c, i]
+        texels[i, PLANES] = _ZERO
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _coarser(scratch, skip, h, w, sizes, texels):
+    """The levels from the second on, which `scratch[0]` holds on entry; the first has `h` rows and `w` columns."""
+    first = h * w if skip == 0 else 0
+    level, now = 1, 0
+    h, w = max(1, h // 2), max(1, w // 2)
+    for _ in range(skip + sizes.shape[0] - 1):
+        if level >= skip:
+            _store(scratch[now][:, : h * w], texels[first : first + h * w])
+            first += h * w
+        h2, w2 = max(1, h // 2), max(1, w // 2)
+        for y in range(h2):
+            top, bottom = min(2 * y, h - 1), min(2 * y + 1, h - 1)
+            _halve_rows(
+                scratch[now][:, top * w : (top + 1) * w], scratch[now][:, bottom * w : (bottom + 1) * w],
+                scratch[1 - now][:, y * w2 : (y + 1) * w2],
+            )  # fmt: skip
+        level, now, h, w = level + 1, 1 - now, h2, w2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pair(rows, y, h, w, skip, scratch, texels):
+    """Two finished rows into the first level, if it is kept, and their halving into the second."""
+    if skip == 0:
+        _store(rows[0], texels[y * w : (y + 1) * w])
+        if h > 1:
+            _store(rows[1], texels[(y + 1) * w : (y + 2) * w])
+    half = max(1, w // 2)
+    _halve_rows(rows[0], rows[1], scratch[0][:, (y // 2) * half : (y // 2 + 1) * half])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill_patterned(tone, accent, rough, slope, numbers, skip, scratch, sizes, texels):
+    h, w = tone.shape
+    rows = np.empty((2, PLANES, w), np.float32)
+    for y in range(0, h, 2):
+        for k in range(2):
+            _patterned_row(tone, accent, rough, slope, numbers, min(y + k, h - 1), rows[k])
+        _pair(rows, y, h, w, skip, scratch, texels)
+    _coarser(scratch, skip, h, w, sizes, texels)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill_painted(albedo, metallic, roughness, slope, skip, scratch, sizes, texels):
+    h, w = metallic.shape
+    rows = np.empty((2, PLANES, w), np.float32)
+    for y in range(0, h, 2):
+        for k in range(2):
+            _painted_row(albedo, metallic, roughness, slope, min(y + k, h - 1), rows[k])
+        _pair(rows, y, h, w, skip, scratch, texels)
+    _coarser(scratch, skip, h, w, sizes, texels)
