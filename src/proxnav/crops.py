@@ -12,9 +12,9 @@ from itertools import chain, count, islice
 import numpy as np
 
 from proxnav.cluster.local import in_order
+from proxnav.datasets.crop import Crop, resample
 from proxnav.datasets.labelling import mask_box
 from proxnav.datasets.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
-from proxnav.detection.heatmap.crop import Crop, resample
 from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
@@ -84,7 +84,7 @@ class WholeFrameJob:
         def make(index: int) -> TrainingSample:
             scene = _scene(index, config)
             if np.random.default_rng([config.seed, index, 2]).random() < self.empty_share:
-                scene = replace(scene, t_cam_target_m=_BEHIND_M)
+                scene = replace(scene, t_cam_target_m=BEHIND_M)
             crop = Crop(0, 0, max(config.camera.width, config.camera.height))
             return _draw(scene, crop, config.side, target, renderer)
 
@@ -103,7 +103,8 @@ class MixedJob:
         return lambda index: near(index) if index % 2 else whole(index)
 
 
-_BEHIND_M = (0.0, 0.0, -50.0)  # behind the camera, a target leaves the picture to the sky
+BEHIND_M = (0.0, 0.0, -50.0)
+"""Position of a target behind the camera, which leaves the picture to the sky."""
 
 
 def sample_source(

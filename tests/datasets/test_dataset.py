@@ -39,6 +39,15 @@ def test_a_scene_line_reads_back_equal():
     assert SceneSpec.from_json(json.loads(line)) == scene()
 
 
+def test_fields_that_came_later_are_written_only_where_they_say_something():
+    plain, earth = scene(), replace(scene().earth, cloud_image="/data/cloud.png")
+    full = replace(plain, earth=earth, sensor=replace(plain.sensor, dead_pixel_share=1e-5))
+    assert "cloud_image" not in plain.to_json()["earth"]
+    assert "dead_pixel_share" not in plain.to_json()["sensor"]
+    assert "earth" in replace(plain, earth=None).to_json()
+    assert SceneSpec.from_json(json.loads(json.dumps(full.to_json()))) == full
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [({"version": 9}, "version"), ({"sun": 3}, "scene.sun"), ({"nonsense": 1}, "nonsense")],

@@ -1,8 +1,12 @@
 """Files that are either whole or absent, and JSON that is refused in one sentence."""
 
+import csv
+import errno
 import json
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +25,15 @@ def write_atomic(path: Path, content: bytes) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         _replace(path, content)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); give another place to write to") from None
+        raise cannot_write(path, error) from None
+
+
+def cannot_write(path: Path, error: OSError) -> InputError:
+    """Why a file cannot be written, and what to do: room comes back, a read-only disk does not."""
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        return InputError(f"{path}: no room left ({error.strerror}); make room, the same command resumes")
+    reason = error.strerror or str(error)
+    return InputError(f"{path}: cannot be written ({reason}); give another place to write to")
 
 
 def _replace(path: Path, content: bytes) -> None:
@@ -47,8 +59,12 @@ def check_new_file(path: Path) -> None:
 
 def write_json(path: Path, content: Any, indent: int | None = None) -> None:
     """JSON, atomically; NaN is written as null because strict readers refuse it."""
-    text = json.dumps(finite(content), indent=indent, allow_nan=False)
-    write_atomic(path, (text + "\n").encode())
+    write_atomic(path, json_bytes(content, indent))
+
+
+def json_bytes(content: Any, indent: int | None = None) -> bytes:
+    """What `write_json` writes."""
+    return (json.dumps(finite(content), indent=indent, allow_nan=False) + "\n").encode()
 
 
 def finite(content: Any) -> Any:
@@ -78,9 +94,26 @@ def read_json(path: Path, what: str) -> Any:
         raise InputError(f"{path}: not readable as JSON ({error}); expected {what}") from None
 
 
+@contextmanager
+def refused_csv(path: Path, largest: int = 2**30) -> Iterator[None]:
+    """Within it, what Python's csv reader stumbles over is an InputError; so is a file of more than `largest` bytes."""
+    if path.stat().st_size > largest:
+        raise InputError(f"{path}: larger than {largest // 2**20} MiB; split it")
+    try:
+        yield
+    except csv.Error as error:
+        raise InputError(f"{path}: not readable as csv ({error}); save it as comma-separated UTF-8 text") from None
+
+
 def inside(folder: Path, name: str) -> Path:
-    """`folder/name`, refused with InputError when the name climbs out of the folder."""
-    path = (folder / name).resolve()
+    """`folder/name`; InputError when the name climbs out of the folder, or is one that no file can have."""
+    try:
+        path = (folder / name).resolve()
+        longest, whole = max(len(os.fsencode(part)) for part in path.parts), len(os.fsencode(path))
+    except (OSError, ValueError, RuntimeError):  # NUL, half a surrogate pair, links in a circle
+        raise InputError(f"file name {name[:80]!r} is none that a file can have; refused") from None
+    if longest > 255 or whole > 4095:
+        raise InputError(f"file name {name[:80]!r}... is longer than a file's can be; refused")
     if not path.is_relative_to(folder.resolve()):
         raise InputError(f"file name {name!r} leads out of {folder}; refused")
     return path

@@ -30,7 +30,7 @@ def make_dataset(folder: Path, count: int = 6) -> Path:
     ]
     writer, target = DatasetWriter(folder), boxcraft()
     for scene in writer.begin(scenes, target):
-        image = rng.integers(0, 255, (CAMERA.height, CAMERA.width), dtype=np.uint8)
+        image = np.random.default_rng([7, scene.index]).integers(0, 255, (CAMERA.height, CAMERA.width), dtype=np.uint8)
         mask = np.zeros(image.shape, dtype=bool)
         mask[10:20, 20 : 31 + scene.index] = True
         writer.add(scene, image, mask, label_frame(scene, target, mask, np.arange(8) % 3 > 0))

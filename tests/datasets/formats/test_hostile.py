@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -268,3 +269,15 @@ def value_or_sentence_of_its_own(path: Path, format: str) -> None:
         found = outcome(lambda name=name: read_labels(path, name))
         assert isinstance(found, Labels | InputError)
         assert "\n" not in str(found) or isinstance(found, Labels)
+
+
+@pytest.mark.parametrize("format", ["spec2019", "spec2021", "spark", "krn", "spnv2", "urso", "speed+", "bop-results"])
+@pytest.mark.parametrize("name", ["=1+1.png", "@SUM(1).png", "../../a.png", "/etc/passwd"])
+def test_no_export_holds_such_names(name: str, format: str, labels: Labels, tmp_path: Path) -> None:
+    """Wherever a name came from: no cell that a spreadsheet computes and no path that climbs is ever written."""
+    evil = replace(labels, records=tuple(replace(r, filename=name) for r in labels.records[:1]))
+    options = WriteOptions(split="lightbox/test", images="none", validation_share=0.0)
+    with pytest.raises(InputError) as caught:
+        write_labels(evil, tmp_path / "out", format, options)
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "out").exists()

@@ -17,6 +17,7 @@ from proxnav.datasets.formats import (
     urso,
 )
 from proxnav.datasets.formats.labels import Labels, with_projected_keypoints
+from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import WriteOptions
 from proxnav.errors import InputError
 
@@ -50,6 +51,8 @@ def write_labels(labels: Labels, folder: str | Path, format: str, options: Write
         raise InputError(f"cannot write format '{format}'; one of {', '.join(WRITERS)}")
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: exists and is not an empty folder; give another --out")
+    for record in labels.records:
+        checked_name(record.filename, format)
     folder.parent.mkdir(parents=True, exist_ok=True)
     unfinished = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
     try:

@@ -33,6 +33,12 @@ class Keypoints:
         object.__setattr__(self, "scores", frozen(self.scores, (n,), "scores"))
         object.__setattr__(self, "box_xyxy", frozen(self.box_xyxy, (4,), "box_xyxy"))
 
+    @property
+    def median_score(self) -> float:
+        """Of the keypoints that were found; 0 when there are none."""
+        found = self.scores[self.scores > 0.0]
+        return float(np.median(found)) if found.size else 0.0
+
     @staticmethod
     def none(status: DetectionStatus, n_keypoints: int) -> "Keypoints":
         """No keypoints, and why."""

@@ -9,6 +9,9 @@ from proxnav.geometry import Camera, Pose
 
 VERSION = 1
 
+_LATER = (("earth", "cloud_image"), ("sensor", "dead_pixel_share"))
+"""Fields that are written only where they say something: sets from before they were there are still the same sets."""
+
 Triple = tuple[float, float, float]
 Quadruple = tuple[float, float, float, float]
 
@@ -43,6 +46,8 @@ class EarthSpec:
     cloud_seed: int = 0
     atmosphere: bool = True
     city_lights: bool = True
+    cloud_image: str = ""
+    """Equirectangular picture of cloud, white where it is opaque, in place of procedural weather and its cover."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,11 @@ class SceneSpec:
 
     def to_json(self) -> dict[str, Any]:
         """As JSON content, with the format's version."""
-        return {"version": VERSION} | asdict(self)
+        content: dict[str, Any] = {"version": VERSION} | asdict(self)
+        for part, name in _LATER:
+            if content[part] is not None and not content[part][name]:
+                del content[part][name]
+        return content
 
     @staticmethod
     def from_json(content: Any) -> "SceneSpec":

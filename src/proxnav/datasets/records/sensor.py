@@ -40,6 +40,8 @@ class SensorSpec:
     """Standard deviation of the pixels' relative response."""
     hot_pixel_share: float = 0.0
     """Share of pixels whose dark current is 100 to 100 000 times the mean (log-uniform)."""
+    dead_pixel_share: float = 0.0
+    """Share of pixels that do not answer to light."""
     row_noise_dn: float = 0.0
     """Standard deviation of the rows' fixed offsets [DN]."""
     column_noise_dn: float = 0.0

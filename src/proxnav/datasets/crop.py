@@ -1,0 +1,67 @@
+"""The square of whole pixels that the network looks at, and the way there and back."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.geometry import Camera
+from proxnav.geometry.types import Box, Pixels
+
+
+@dataclass(frozen=True, slots=True)
+class Crop:
+    """A square of the image; it may reach beyond the image, where it reads as black."""
+
+    x: int
+    """Left edge [px]."""
+    y: int
+    """Upper edge [px]."""
+    size: int
+    """Side [px]."""
+
+    @staticmethod
+    def around(box_xyxy: Float[np.ndarray, "4"], margin: float, least: int = 32) -> "Crop":
+        """The crop about a box whose side is `margin` times the longer side of the box, `least` px at least."""
+        x0, y0, x1, y1 = box_xyxy
+        size = max(int(np.ceil(margin * max(x1 - x0, y1 - y0))), least)
+        return Crop(round((x0 + x1 - size) / 2), round((y0 + y1 - size) / 2), size)
+
+    def to_network(self, pixels: np.ndarray, side: int) -> np.ndarray:
+        """Image pixels (..., 2) to pixels of the crop resampled to `side`; corner origin on both."""
+        return (pixels - (self.x, self.y)) * (side / self.size)
+
+    def to_image(self, pixels: np.ndarray, side: int) -> np.ndarray:
+        """Inverse of `to_network`."""
+        return pixels * (self.size / side) + (self.x, self.y)
+
+
+def box_in_image(pixels: Pixels, camera: Camera) -> Box | None:
+    """The box of projected points [px], cut at the image's edges; None when nothing of it is in the image."""
+    if not np.isfinite(pixels).all(axis=1).any():
+        return None
+    size = np.array([camera.width, camera.height], dtype=np.float64)
+    box = np.concatenate([np.clip(np.nanmin(pixels, axis=0), 0.0, size), np.clip(np.nanmax(pixels, axis=0), 0.0, size)])
+    return box if (box[2:] - box[:2]).min() > 1.0 else None
+
+
+def cut(image: np.ndarray, crop: Crop, side: int) -> np.ndarray:
+    """The crop of a grey image (h, w), resampled to (side, side); black beyond the image."""
+    height, width = image.shape
+    x0, y0 = max(crop.x, 0), max(crop.y, 0)
+    x1, y1 = min(crop.x + crop.size, width), min(crop.y + crop.size, height)
+    if (x0, y0, x1, y1) == (crop.x, crop.y, crop.x + crop.size, crop.y + crop.size):
+        return resample(image[y0:y1, x0:x1], side)
+    square = np.zeros((crop.size, crop.size), image.dtype)
+    if x1 > x0 and y1 > y0:
+        square[y0 - crop.y : y1 - crop.y, x0 - crop.x : x1 - crop.x] = image[y0:y1, x0:x1]
+    return resample(square, side)
+
+
+def resample(square: np.ndarray, side: int) -> np.ndarray:
+    """A square image at another size: area mean when it shrinks, bilinear when it grows; corner origin kept."""
+    if square.shape[0] == side:
+        return square
+    method = cv2.INTER_AREA if square.shape[0] > side else cv2.INTER_LINEAR
+    return cv2.resize(square, (side, side), interpolation=method)

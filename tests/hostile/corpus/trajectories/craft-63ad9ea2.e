@@ -1,0 +1,29 @@
+stk.v.11.0
+
+BEGIN Ephemeris
+NumberOfEphemerisPoints 0
+ScenarioEpoch 1 Nov 2024 00:00:00.0
+CentralBody Earth
+CoordinateSystem ICRF
+InterpolationMethod Hermite
+InterpolatÿÿÿÿionSamplesM0 3
+DistanceUnit Meters
+
+EphemerisTimePosVel
+
+0.0eci00000000 6.7781370000000000e+06 0.0000000000000000e+00 0.0000000000000000e+00 -0.0000000000000000e+00 7.6237045023587025e+0meris
+NumberOfEphemerisPoints 1
+ScenarioEpoch 1 Nov 2024 00:00:00.0
+CentralBody Earth
+CoordinateSystem ICRF
+InterpolationMethod Hermite
+InterpolatÿÿÿÿionSamplesM0 3
+DistanceUnit Meters
+
+EphemerisTimePosVel
+
+0.0eci00000000 6.7781370000000000e+06 0.0000000000000000e+00 0.0000000000000000e+00 -0.0000000000000000e+00 7.6237045023587025e+03 8.2819934213811587e+02
+10.000000000 6.7777032070770729e+06 7.63 8.2819934213811587e+02
+10.000000000 6.7777032070770729e+06 7.623541942914e+03 8.2814620.000000000 6.77640188383278e-SROC:  ®2000 Position Velocity
+
+       END Ephemeris
