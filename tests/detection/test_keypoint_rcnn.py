@@ -17,7 +17,7 @@ from torchvision.models.detection.roi_heads import keypointrcnn_loss
 from torchvision.ops.misc import FrozenBatchNorm2d
 
 from drawings import drawing, drawings
-from proxnav.detection.heatmap.crop import Crop
+from proxnav.datasets.crop import Crop
 from proxnav.detection.keypoint_rcnn.calibrate import fit_calibration
 from proxnav.detection.keypoint_rcnn.config import STUDY_SMALL, NetworkConfig
 from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps

@@ -1,8 +1,9 @@
 """Running an ONNX graph: OpenVINO in bfloat16 where the processor multiplies it, ONNX Runtime everywhere else."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -47,15 +48,25 @@ def _onnxruntime(path: Path, threads: int) -> Session:
     return lambda batch: [np.asarray(output) for output in session.run(None, {name: batch})]
 
 
-def _openvino(path: Path, threads: int) -> Session:
+@cache
+def _openvino_core() -> Any:
+    """One that lives as long as the process.
+
+    Its plugin gives the thread an alternate signal stack on processors with AMX and unmaps it when it goes, also when
+    it is still in use: of several plugins that come and go the next Ctrl-C would be a segmentation fault.
+    """
     import openvino
 
+    return openvino.Core()
+
+
+def _openvino(path: Path, threads: int) -> Session:
     hints: dict[str, str] = {"PERFORMANCE_HINT": "LATENCY"}
     if _has_bfloat16():
         hints["INFERENCE_PRECISION_HINT"] = "bf16"
     if threads:
         hints["INFERENCE_NUM_THREADS"] = str(threads)
-    compiled = openvino.Core().compile_model(str(path), "CPU", hints)
+    compiled = _openvino_core().compile_model(str(path), "CPU", hints)
     request = compiled.create_infer_request()
     return lambda batch: [np.array(output) for output in request.infer([batch]).to_tuple()]
 

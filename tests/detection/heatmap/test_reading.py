@@ -1,18 +1,21 @@
 """The crop network's labels, maps and decoding agree about where things are."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from proxnav.datasets.crop import Crop, cut
 from proxnav.detection.heatmap.augment import AugmentConfig, augment
-from proxnav.detection.heatmap.crop import Crop, cut
 from proxnav.detection.heatmap.decode import covariances, decode, sample_spread
 from proxnav.detection.heatmap.detector import HeatmapDetector
 from proxnav.detection.heatmap.loss import LossConfig, _gaussian, keypoint_loss
 from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig, Maps
-from proxnav.detection.heatmap.patch import largest_patch
+from proxnav.detection.heatmap.patch import brightest_patches
+from proxnav.detection.heatmap.trunks import Trunk
 from proxnav.detection.samples import TrainingSample
 
 inside = st.floats(5.0, 27.0)
@@ -68,8 +71,9 @@ def test_points_outside_the_crop_carry_no_weight():
     assert float(terms["position"]) == 0.0
 
 
-def test_the_network_gives_a_quarter_of_the_resolution():
-    maps = HeatmapNet(HeatmapNetConfig(n_keypoints=7, trunk="resnet10", width=16))(torch.rand(2, 1, 64, 96))
+@pytest.mark.parametrize("trunk", get_args(Trunk))
+def test_every_trunk_gives_a_quarter_of_the_resolution(trunk):
+    maps = HeatmapNet(HeatmapNetConfig(n_keypoints=7, trunk=trunk, width=16))(torch.rand(2, 1, 64, 96))
     assert maps.logits.shape == (2, 7, 16, 24)
     assert maps.spread.shape == (2, 21, 16, 24)
     assert maps.mask.shape == (2, 1, 16, 24)
@@ -120,10 +124,33 @@ def test_the_largest_patch_wins_over_the_brightest_speck():
     p = np.zeros((20, 20))
     p[3, 3] = 1.0
     p[8:14, 5:12] = 0.7
-    box, score = largest_patch(p)
-    np.testing.assert_array_equal(box, [5, 8, 12, 14])
-    assert score == pytest.approx(0.7)
-    assert largest_patch(np.full((4, 4), 0.2)) is None
+    large, speck = brightest_patches(p, most=3)
+    np.testing.assert_array_equal(large, [5, 8, 12, 14])
+    np.testing.assert_array_equal(speck, [3, 3, 4, 4])
+    assert brightest_patches(np.full((4, 4), 0.2)) == []
+
+
+@pytest.mark.parametrize(("surest", "looks"), [(0, 1), (1, 2), (2, 3), (4, 5), (9, 5)])
+def test_other_crops_are_looked_at_until_one_is_sure(surest, looks):
+    seen = []
+
+    def find(frames):
+        probability = np.zeros((1, 64, 64), np.float32)
+        probability[0, 10:20, 10:20] = 0.9
+        probability[0, 40:44, 40:44] = 0.9
+        return [probability]
+
+    def read(crops):
+        score = 0.97 if len(seen) == surest else 0.3 + 0.01 * len(seen)
+        seen.append(crops.shape)
+        covariances = np.tile(np.eye(2, dtype=np.float32), (1, 4, 1, 1))
+        points = np.full((1, 4, 2), 32.0, np.float32)
+        return [points, np.full((1, 4), score, np.float32), covariances, np.ones(1, np.float32)]
+
+    detector = HeatmapDetector(find, read, 4, crop_side=64)
+    keypoints = detector(np.random.default_rng(1).integers(0, 255, (256, 256)).astype(np.uint8))
+    assert len(seen) == looks
+    assert keypoints.median_score == pytest.approx(0.97 if surest < 5 else 0.34)
 
 
 def test_a_keypoint_that_was_not_found_has_no_place_and_no_score():

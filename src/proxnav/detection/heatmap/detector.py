@@ -4,15 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from proxnav.datasets.crop import Crop, cut
 from proxnav.datasets.records import Keypoints
-from proxnav.detection.heatmap.crop import Crop, cut
-from proxnav.detection.heatmap.patch import largest_patch
+from proxnav.detection.heatmap.patch import brightest_patches
 from proxnav.detection.images import grey_8_bit, is_blank
 from proxnav.detection.sessions import Session
 from proxnav.geometry.types import Box
 
 _CELL = 4
 """Input pixels per cell of the finder's map."""
+_CLOSER, _WIDER = 0.7, 2.25
+"""Of the usual margin: a thin target fills too little of a wide crop, a dark one is larger than what was found."""
+_PATCHES = 2
+"""Of the finder's map that are looked at: the largest may be a cloud."""
+_SURE = 0.9
+"""Median score at which no other crop is looked at."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +33,7 @@ class HeatmapDetector:
     margin: float = 1.3
     """Side of the crop over the longer side of a box that is given."""
     search_margin: float = 2.0
-    """The same for a box of the finder, which may miss what is thin or dark."""
+    """The same for a box of the finder, which may miss what is thin or dark: wider or closer where that is unsure."""
     presence: float = 0.3
     """Least probability of a cell of the finder's map to belong to the target; lower ones give wrong poses."""
     min_score: float = 0.05
@@ -46,17 +52,28 @@ class HeatmapDetector:
             return Keypoints.none("bad_image", self.n_keypoints)
         if box_xyxy is not None:
             return self._look(grey, box_xyxy, self.margin)
-        box = self.find_box(grey)
-        if box is None:
-            return Keypoints.none("no_target", self.n_keypoints)
-        return self._look(grey, box, self.search_margin)
+        return self._search(grey, self._find(grey))
 
-    def find_box(self, grey: np.ndarray) -> Box | None:
-        """The target's box [px] in a grey frame, None when there is no target."""
+    def _find(self, grey: np.ndarray) -> list[Box]:
+        """Boxes [px] in a grey frame in which the target may be, the likeliest first."""
         side = max(grey.shape)
         probability = self.find(cut(grey, Crop(0, 0, side), self.finder_side)[None])[0][0].astype(np.float64)
-        patch = largest_patch(probability, self.presence)
-        return None if patch is None else patch[0] * (_CELL * side / self.finder_side)
+        scale = _CELL * side / self.finder_side
+        return [box * scale for box in brightest_patches(probability, self.presence, _PATCHES)]
+
+    def _search(self, grey: np.ndarray, boxes: list[Box]) -> Keypoints:
+        """The surest of several looks, the usual one first; mostly it is the only one."""
+        best = Keypoints.none("no_target", self.n_keypoints)
+        closer, wider = self.search_margin * _CLOSER, self.search_margin * _WIDER
+        looks = [(box, margin) for margin in (self.search_margin, closer) for box in boxes]
+        looks += [(box, wider) for box in boxes[:1]]
+        for box, margin in looks:
+            found = self._look(grey, box, margin)
+            if found.median_score > best.median_score:
+                best = found
+            if best.median_score >= _SURE:
+                break
+        return best
 
     def _look(self, grey: np.ndarray, box: Box, margin: float) -> Keypoints:
         """One crop round the box, read by the network."""

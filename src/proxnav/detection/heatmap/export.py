@@ -25,6 +25,8 @@ OPSET = 17
 class ReadKeypoints(nn.Module):
     """Crops (b, h, w) uint8 to points (b, n, 2) [px], scores, covariances (b, n, 2, 2) [px^2], shown (b,)."""
 
+    OUTPUTS = ("points", "scores", "covariances", "shown")
+
     def __init__(self, net: nn.Module) -> None:
         super().__init__()
         self.net = net

@@ -1,16 +1,12 @@
-"""A ResNet trunk with a top-down path: features of the whole crop's meaning at a quarter of its resolution.
+"""A trunk with a top-down path: features of the whole crop's meaning at a quarter of its resolution.
 
 T.-Y. Lin et al., "Feature Pyramid Networks for Object Detection", CVPR 2017.
 """
 
-from typing import Literal
-
 import torch
-import torchvision
 from torch import Tensor, nn
-from torchvision.models.resnet import BasicBlock, ResNet
 
-Trunk = Literal["resnet10", "resnet18", "resnet34", "resnet50"]
+from proxnav.detection.heatmap.trunks import Trunk, build_trunk
 
 STRIDE = 4
 """Input pixels per cell of the features."""
@@ -21,12 +17,7 @@ class Pyramid(nn.Module):
 
     def __init__(self, trunk: Trunk, width: int) -> None:
         super().__init__()
-        resnet = ResNet(BasicBlock, [1, 1, 1, 1]) if trunk == "resnet10" else getattr(torchvision.models, trunk)()
-        first = nn.Conv2d(1, 64, kernel_size=7, stride=2, padding=3, bias=False)
-        self.stem = nn.Sequential(first, resnet.bn1, resnet.relu, resnet.maxpool)
-        self.stages = nn.ModuleList([resnet.layer1, resnet.layer2, resnet.layer3, resnet.layer4])
-        expansion = 4 if trunk == "resnet50" else 1
-        channels = [expansion * c for c in (64, 128, 256, 512)]
+        self.stem, self.stages, channels = build_trunk(trunk)
         self.lateral = nn.ModuleList([nn.Conv2d(c, width, 1) for c in channels])
         self.smooth = nn.ModuleList([_smooth(width) for _ in channels[:-1]])
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
+from proxnav.datasets.crop import Crop, cut
 from proxnav.datasets.records import Keypoints
-from proxnav.detection.heatmap.crop import Crop, cut
 from proxnav.detection.images import grey_8_bit
 from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps
 from proxnav.detection.keypoint_rcnn.masks import paste

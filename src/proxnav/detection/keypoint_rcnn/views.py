@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.detection.heatmap.crop import Crop, cut
+from proxnav.datasets.crop import Crop, cut
 from proxnav.detection.images import grey_8_bit
 from proxnav.detection.samples import TrainingSample
 

@@ -51,7 +51,10 @@ def read_state(path: Path) -> dict[str, Tensor]:
     try:
         if path.suffix == ".safetensors":
             return unpacked(load_file(path))
-        return torch.load(path, map_location="cpu", weights_only=True)
+        state = torch.load(path, map_location="cpu", weights_only=True)
+        if not isinstance(state, dict) or not all(isinstance(value, Tensor) for value in state.values()):
+            raise ValueError("it holds other things than tensors by name")
+        return state
     except Exception as error:
         raise InputError(f"{path} is neither safetensors nor a torch state dict of plain tensors: {error}") from error
 

@@ -1,8 +1,11 @@
 """The learning curve as a csv that grows while the run does."""
 
 import csv
+import io
 from collections.abc import Mapping
 from pathlib import Path
+
+from proxnav.datasets.files import cannot_write, write_atomic
 
 
 def append_row(path: Path, row: Mapping[str, float | int | str]) -> None:
@@ -10,8 +13,11 @@ def append_row(path: Path, row: Mapping[str, float | int | str]) -> None:
     rows = read_rows(path)
     columns = list(rows[0]) if rows else []
     if rows and set(row) <= set(columns):
-        with path.open("a", newline="") as file:
-            csv.DictWriter(file, columns).writerow(dict(row))
+        try:
+            with path.open("a", newline="") as file:
+                csv.DictWriter(file, columns).writerow(dict(row))
+        except OSError as error:
+            raise cannot_write(path, error) from None
         return
     columns += [name for name in row if name not in columns]
     _write(path, columns, [*rows, {name: str(value) for name, value in row.items()}])
@@ -30,12 +36,13 @@ def read_rows(path: Path) -> list[dict[str, str]]:
     if not path.exists():
         return []
     with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    return [row for row in rows if None not in row.values()]  # a full disk may have cut the last one
 
 
 def _write(path: Path, columns: list[str], rows: list[dict[str, str]]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, columns, restval="")
-        writer.writeheader()
-        writer.writerows(rows)
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, columns, restval="")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_atomic(path, text.getvalue().encode())

@@ -11,18 +11,29 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 from torch import nn
 
+from proxnav.datasets.files import cannot_write
 from proxnav.errors import InputError
 
 
 def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
-    """Calls `write` with a temporary name beside `path`, then renames it: readers see the old file or the new."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Calls `write` with a temporary name beside `path`, then renames it: readers see the old file or the new.
+
+    InputError where there is no room, or no leave to write.
+    """
     temporary = path.with_name(f".{path.name}.part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         write(temporary)
         with temporary.open("rb") as file:
             os.fsync(file.fileno())
         temporary.replace(path)
+    except OSError as error:
+        raise cannot_write(path, error) from None
+    except (RuntimeError, SafetensorError) as error:  # what torch and safetensors make of a full disk
+        raise InputError(
+            f"{path}: cannot be written ({' '.join(str(error).split())[:160]}); is the disk full? Make room, the same "
+            "command resumes"
+        ) from None
     finally:
         temporary.unlink(missing_ok=True)
 

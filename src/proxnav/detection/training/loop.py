@@ -4,7 +4,7 @@ import logging
 import math
 import time
 from collections.abc import Mapping
-from contextlib import closing
+from contextlib import closing, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -14,6 +14,7 @@ from lightning_fabric import Fabric
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
+from proxnav.datasets.lock import only_run_in
 from proxnav.detection.samples import SampleSource
 from proxnav.detection.training.average import averaged_copy, update_average
 from proxnav.detection.training.config import Learner, LoopConfig, TrainingResult, Validate
@@ -21,9 +22,9 @@ from proxnav.detection.training.curve import append_row, cut_after
 from proxnav.detection.training.feed import ahead, batches
 from proxnav.detection.training.files import load_checkpoint, save_checkpoint, save_weights
 from proxnav.detection.training.interrupt import stop_requested
-from proxnav.detection.training.precision import best_precision
 from proxnav.detection.training.progress import Meter, Show, progress_bar
 from proxnav.detection.training.random_state import random_state, restore_random_state
+from proxnav.detection.training.ranks import any_rank, is_first_rank, launched, mean_over_ranks, reseed
 from proxnav.detection.training.step import take_step
 from proxnav.errors import InputError
 
@@ -67,6 +68,13 @@ def train(
 
     Interrupted anywhere and resumed, a deterministic run on one CPU gives the weights of a run that was not.
     """
+    with only_run_in(out) if is_first_rank() else nullcontext():
+        return _train(learner, source, config, out, validate)
+
+
+def _train(
+    learner: Learner, source: SampleSource, config: LoopConfig, out: Path, validate: Validate | None
+) -> TrainingResult:
     run = _start(learner, config, out, validate)
     feed = batches(
         source, learner.collate, config.batch_size, config.accumulate, config.seed,
@@ -77,7 +85,7 @@ def train(
             with run.meter.waiting():
                 parts: Any = run.fabric.to_device(next(ready))
             _advance(run, parts, show)
-            if stop():
+            if any_rank(run.fabric, stop()):
                 _save(run)
                 raise KeyboardInterrupt
             if run.at.step % config.save_every == 0:
@@ -89,9 +97,7 @@ def train(
 def _start(learner: Learner, config: LoopConfig, out: Path, validate: Validate | None) -> _Run:
     """Everything on its device and at the step of the checkpoint, if there is one."""
     torch.use_deterministic_algorithms(config.deterministic)
-    precision = best_precision(config.precision)
-    fabric = Fabric(accelerator=config.accelerator, devices=config.devices, precision=precision)
-    fabric.launch()
+    fabric = launched(config)
     torch.manual_seed(config.seed + fabric.global_rank)
     model, optimizer = fabric.setup(learner.model.train(), learner.optimizer)
     out.mkdir(parents=True, exist_ok=True)
@@ -111,12 +117,14 @@ def _ended(run: _Run) -> Literal["finished", "early_stop", "time"] | None:
         return "finished"
     if run.config.patience and run.at.stale >= run.config.patience:
         return "early_stop"
-    return "time" if time.monotonic() > run.deadline else None
+    late = math.isfinite(run.deadline) and any_rank(run.fabric, time.monotonic() > run.deadline)
+    return "time" if late else None
 
 
 def _advance(run: _Run, parts: list[Any], show: Show) -> None:
     """One step and what is due after it."""
     at, config = run.at, run.config
+    reseed(run.fabric, config.seed, at.step)
     rate = run.learner.rate(at.step)
     for group in run.learner.optimizer.param_groups:
         group["lr"] = rate * group.get("scale", 1.0)
@@ -124,7 +132,7 @@ def _advance(run: _Run, parts: list[Any], show: Show) -> None:
     at.step += 1
     _account(run, terms)
     if at.step % config.log_every == 0:
-        row = run.meter.row(rate)
+        row = mean_over_ranks(run.fabric, run.meter.row(rate))
         show(at.step, f"loss {row.get('loss', math.nan):.4g}, {row['images_per_s']:.1f} images/s")
         _write_row(run, {"skipped": at.skipped} | row)
     if run.validate is not None and config.validate_every and at.step % config.validate_every == 0:
@@ -149,9 +157,13 @@ def _account(run: _Run, terms: dict[str, Tensor] | None) -> None:
 
 
 def _validate(run: _Run, validate: Validate) -> None:
-    """Scores the averaged weights and keeps the best; the run's generators do not notice."""
+    """Scores the averaged weights and keeps the best; the run's generators do not notice.
+
+    The first rank scores, the others wait for its word: all must stop at the same step.
+    """
     state = random_state()
-    score = float(validate(run.average))
+    score = float(validate(run.average)) if run.fabric.is_global_zero else math.nan
+    score = float(run.fabric.broadcast(torch.tensor(score, dtype=torch.float64)))
     restore_random_state(state)
     better = score < run.at.best_score
     run.at.stale = 0 if better else run.at.stale + 1
@@ -217,6 +229,7 @@ def _resume(run: _Run, content: dict[str, Any]) -> None:
 def _result(run: _Run, reason: Literal["finished", "early_stop", "time"]) -> TrainingResult:
     """The averaged weights, of the best validation where there is one, also as a file."""
     at = run.at
+    run.fabric.barrier()  # the first rank may still be writing the best weights
     model = run.average.cpu()
     if (run.out / BEST).exists() and math.isfinite(at.best_score):
         model.load_state_dict(load_file(run.out / BEST))
