@@ -19,7 +19,6 @@ from proxnav.targets.space_rider import space_rider
 
 CAMERA = Camera(256, 192, 350.0, 350.0, 128.0, 96.0)
 SIDE = 64
-OUTPUTS = ("points", "scores", "covariances", "shown")
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +29,7 @@ def model(tmp_path_factory):
     net = HeatmapNet(HeatmapNetConfig(trunk="resnet10", width=16))
     with torch.no_grad():
         net.logits.weight.mul_(300.0)  # clear peaks, as a trained network has
-    export(ReadKeypoints(net), OUTPUTS, SIDE, folder, "crop")
+    export(ReadKeypoints(net), ReadKeypoints.OUTPUTS, SIDE, folder, "crop")
     export(FindTarget(FinderNet(FinderConfig(width=16))), ("probability",), SIDE, folder, "finder")
     card = {
         "detector": "heatmap",
@@ -56,7 +55,9 @@ def test_onnx_runtime_reads_what_torch_reads(model):
     reader.load_state_dict({key: value.float() for key, value in load_file(model / "crop.safetensors").items()})
     with torch.inference_mode():
         wanted = reader(torch.from_numpy(crops.copy()))
-    for name, got, want in zip(OUTPUTS, open_session(model / "crop.onnx", "onnxruntime")(crops), wanted, strict=True):
+    for name, got, want in zip(
+        ReadKeypoints.OUTPUTS, open_session(model / "crop.onnx", "onnxruntime")(crops), wanted, strict=True
+    ):
         np.testing.assert_allclose(got, want, rtol=1e-3, atol=1e-2, err_msg=name)  # px
 
 

@@ -6,9 +6,10 @@ from scipy.stats import chi2
 from tests.evaluation.records import disturbed, truth_along
 
 from proxnav.evaluation.consistency import consistency, efficiency_by_range, nees
-from proxnav.evaluation.pairing import difference, pair
+from proxnav.evaluation.pairing import pair
 from proxnav.evaluation.table import consistency_line
 from proxnav.geometry import Pose, so3
+from proxnav.geometry.perturbation import difference
 
 
 def correlated(rng: np.random.Generator) -> np.ndarray:
@@ -62,3 +63,5 @@ def test_efficiency_is_one_at_the_bound_and_two_at_twice_the_error(rng: np.rando
         for found in efficiency_by_range(frames, bounds, (0.0, 50.0, 150.0)).values():
             assert found.translation == pytest.approx(factor, rel=0.15)
             assert found.rotation == pytest.approx(factor, rel=0.15)
+            assert 0.5 * factor < found.median_t < factor
+            assert 0.5 * factor < found.median_r < factor

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2
 
-from proxnav.evaluation.pairing import Frame, difference
+from proxnav.evaluation.pairing import Frame
+from proxnav.geometry.perturbation import difference
 
 _DEGREES_OF_FREEDOM = 6
 _THREE_SIGMA = chi2.ppf(0.9973, _DEGREES_OF_FREEDOM)  # holds as much probability as 3 sigma of one number
@@ -44,6 +45,10 @@ class Efficiency:
     bound_t_m: float
     rms_r_rad: float
     bound_r_rad: float
+    median_t: float
+    """Median over the poses of position error / bound of the same frame; below 1 at best, but blind to the tail."""
+    median_r: float
+    """The same of attitude."""
 
     @property
     def translation(self) -> float:
@@ -98,15 +103,11 @@ def efficiency_by_range(
 
 
 def _efficiency(frames: Sequence[Frame], bounds: Mapping[str, np.ndarray]) -> Efficiency:
-    squared = np.array([_error(frame) ** 2 for frame in frames])
-    variances = np.array([np.diagonal(bounds[frame.filename]) for frame in frames])
-
-    def rms(values: np.ndarray) -> float:
-        return float(np.sqrt(values.sum(axis=1).mean()))
-
-    return Efficiency(
-        len(frames), rms(squared[:, :3]), rms(variances[:, :3]), rms(squared[:, 3:]), rms(variances[:, 3:])
-    )
+    squared = np.array([_error(frame) ** 2 for frame in frames]).reshape(-1, 2, 3).sum(axis=2)
+    variances = np.array([np.diagonal(bounds[frame.filename]) for frame in frames]).reshape(-1, 2, 3).sum(axis=2)
+    rms, bound = np.sqrt(squared.mean(axis=0)), np.sqrt(variances.mean(axis=0))
+    median = np.median(np.sqrt(squared / variances), axis=0)
+    return Efficiency(len(frames), *(float(x) for x in (rms[0], bound[0], rms[1], bound[1], median[0], median[1])))
 
 
 def _claims(frames: Sequence[Frame]) -> tuple[Float[np.ndarray, "m 6"], Float[np.ndarray, "m 6 6"]]:

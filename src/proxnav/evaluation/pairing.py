@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from proxnav.datasets.speed import PoseRecord
 from proxnav.errors import InputError
 from proxnav.evaluation.errors import PoseErrors, pose_errors
-from proxnav.geometry import Pose, so3
+from proxnav.geometry import Pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,11 +46,6 @@ def pair(estimates: Mapping[str, PoseRecord], truth: Mapping[str, PoseRecord]) -
 def errors_of(frames: tuple[Frame, ...]) -> list[PoseErrors]:
     """Errors of the frames that have a pose."""
     return [frame.errors for frame in frames if frame.errors is not None]
-
-
-def difference(T_est: Pose, T_true: Pose) -> Float[np.ndarray, "6"]:
-    """(dt [m], dr [rad]) with t_true = t_est + dt, R_true = exp(dr) R_est: what the covariance is the covariance of."""
-    return np.concatenate([T_true.t_m - T_est.t_m, so3.log(T_true.R @ T_est.R.T)])
 
 
 def _frame(truth: PoseRecord, estimate: PoseRecord | None) -> Frame:

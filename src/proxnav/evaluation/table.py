@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from proxnav.evaluation.consistency import Consistency
+import numpy as np
+
+from proxnav.evaluation.consistency import Consistency, Efficiency
 from proxnav.evaluation.summary import Summary
 
 STUDY = {
@@ -65,6 +67,20 @@ def consistency_line(found: Consistency | None) -> str:
         f"covariance: mean NEES {found.mean_nees:.2f} over {found.poses} poses (honest: 6, 95 % in {low:.2f} .. "
         f"{high:.2f}); {100.0 * found.beyond_3_sigma:.1f} % beyond 3 sigma (honest: 0.3 %)"
     )
+
+
+def efficiency_table(bins: Mapping[tuple[float, float], Efficiency]) -> str:
+    """Errors over the Cramer-Rao bound, one row per range bin; nothing where no bound is known."""
+    if not bins:
+        return "Cramer-Rao bound: known for none of these frames"
+    rows = [
+        ["range [m]", "poses", "RMS E_T [m]", "bound", "ratio", "median", "RMS E_R [deg]", "bound", "ratio", "median"]
+    ]
+    for (near, far), one in bins.items():
+        turn = np.degrees([one.rms_r_rad, one.bound_r_rad])
+        numbers = (one.rms_t_m, one.bound_t_m, one.translation, one.median_t, *turn, one.rotation, one.median_r)
+        rows.append([f"{near:g}-{far:g}", str(one.poses), *(f"{number:.3g}" for number in numbers)])
+    return "errors over the Cramer-Rao bound (keypoints in sight, each known to 1 px per axis):\n" + _aligned(rows)
 
 
 def _coverage(s: Summary) -> str:

@@ -57,7 +57,7 @@ def correspondences(
     kept, places = admit(
         points, pixels, covariances, _scores(scores, n), config.min_score, *size, config.view_margin, keep, label
     )
-    xy, lens = np.empty((n, 2)), _lens(camera)
+    xy, lens = np.empty((n, 2)), lens_numbers(camera)
     undistort(pixels, lens, xy)
     seen = ~np.isnan(xy[:, 0])
     if kept < n or not seen.all():
@@ -98,7 +98,7 @@ def _scores(values: ArrayLike | None, n: int) -> Float[np.ndarray, "n"]:
 
 
 @lru_cache(maxsize=64)
-def _lens(camera: Camera) -> Float[np.ndarray, "10"]:
+def lens_numbers(camera: Camera) -> Float[np.ndarray, "10"]:
     """The camera as the kernels take it."""
     fold = fold_radius(camera.distortion) if camera.is_distorted else np.inf
     values = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion, fold**2)

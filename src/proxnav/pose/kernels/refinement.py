@@ -102,7 +102,7 @@ def _solve6(H, g, damping, step):
 
 
 @njit(cache=True)
-def _perturb(R, t, step, R_out, t_out):
+def perturb(R, t, step, R_out, t_out):
     """t + dt and exp(dr) R (Rodrigues)."""
     a, b, c = step[3], step[4], step[5]
     angle2 = a * a + b * b + c * c
@@ -132,7 +132,7 @@ def refine(R, t, X, pixels, info, use, lens, side, loss, k2, iterations):
             if damping > 1e8:
                 break
             continue
-        _perturb(R, t, step, R2, t2)
+        perturb(R, t, step, R2, t2)
         cost2 = normal_equations(R2, t2, X, pixels, info, use, lens, side, loss, k2, H2, g2)
         if cost2 <= cost:
             gain = cost - cost2
