@@ -19,6 +19,7 @@ from proxnav.trajectories import HoldConfig, hold
 
 CAMERA = Camera(width=1024, height=1024, fx=1407.0, fy=1407.0, cx=512.0, cy=512.0)
 SENSING = SensingConfig(detector=DetectorConfig(occlusion=False))
+TIGHT = NavigationConfig(coupling="tight")
 
 
 def points() -> np.ndarray:
@@ -42,7 +43,7 @@ def filtered(
     truth: Truth, records: SensorRecords, config: NavigationConfig | None = None
 ) -> tuple[NavErrors, list[Judged], int]:
     """Errors every five seconds, verdicts, and how often the filter started."""
-    scene = scene_of(records, points(), CAMERA, config or NavigationConfig())
+    scene = scene_of(records, points(), CAMERA, config or TIGHT)
     t = np.arange(truth.t[0] + 5.0, truth.t[-1], 5.0)
     states, judged, last = run_filter(records, scene, t)
     return nav_errors(states, true_states(truth).at(t)), judged, last.starts

@@ -10,7 +10,8 @@ from navigation.orbits import ELLIPSE_STATE, TWO_BODY, A, N, target_at
 from proxnav.errors import InputError
 from proxnav.geometry.celestial import MU_EARTH
 from proxnav.geometry.relative_motion import cw_transition, eci_from_ric, ric_from_eci
-from proxnav.navigation.orbit_forces import Burn, ForceConfig, fly
+from proxnav.navigation.kernels.relative import gradient_transition, gravity_gradient
+from proxnav.navigation.orbit_forces import Burn, ForceConfig, acceleration, fly
 from proxnav.navigation.relative_elements import (
     Elements,
     RelativeElements,
@@ -160,3 +161,30 @@ def test_elements_of_a_circle_are_those_it_was_made_from() -> None:
     found = elements(*target_at(0.0, 0.5))
     assert isinstance(found, Elements)
     np.testing.assert_allclose([found.a_m / A, found.u, found.i, found.raan], [1.0, 1.2, 0.108, 0.3], atol=1e-9)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.02])
+def test_the_gradient_transition_follows_motion_under_j2_where_clohessy_wiltshire_cannot(e: float) -> None:
+    r, v = target_at(e, 0.4, i=0.9)
+    chaser = eci_from_ric(r, v, np.array([10.0, -60.0, 8.0]), np.array([0.0, -2 * N * 10.0, 0.003]))
+    t = np.arange(0.0, 1201.0)
+    y = fly(np.concatenate([r, v, *chaser]), t, ForceConfig(density_kg_m3=0.0))
+    found = np.concatenate(ric_from_eci(y[:, :3], y[:, 3:6], y[:, 6:9], y[:, 9:]), axis=1)
+    ephemeris = (t[::30].copy(), np.ascontiguousarray(y[::30, :3]), np.ascontiguousarray(y[::30, 3:6]))
+    gradient, circular = found[0], found[0]
+    for s in t[:-1]:
+        gradient = gradient_transition(*ephemeris, s, 1.0) @ gradient
+        circular = cw_transition(float(N), 1.0) @ circular
+    assert np.linalg.norm(gradient[:3] - found[-1, :3]) < 0.003  # m after 20 min at 80 m: the neglected rho^2/a
+    assert np.linalg.norm(gradient[3:] - found[-1, 3:]) < 5e-6  # m/s
+    assert np.linalg.norm(circular[:3] - found[-1, :3]) > 10.0 * np.linalg.norm(gradient[:3] - found[-1, :3])
+
+
+def test_gravity_gradient_is_the_derivative_of_gravity() -> None:
+    r, v = target_at(0.01, 0.7, i=1.1)
+    force = ForceConfig(density_kg_m3=0.0)
+    columns = [
+        (acceleration(r + 10.0 * axis, v, 0.0, force) - acceleration(r - 10.0 * axis, v, 0.0, force)) / 20.0
+        for axis in np.eye(3)
+    ]
+    np.testing.assert_allclose(gravity_gradient(r), np.stack(columns, axis=1), atol=1e-15)  # 1/s^2 of 1e-6

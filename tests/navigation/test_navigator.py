@@ -5,21 +5,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from navigation.flights import CAMERA, SENSING, filtered, fly, points, reference, without
+from navigation.flights import CAMERA, SENSING, TIGHT, filtered, fly, points, reference, without
+from proxnav.datasets.records import SensorRecords
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.navigation.config import FilterNoise, NavigationConfig
-from proxnav.navigation.errors import mean_nis, nav_errors, outcomes
+from proxnav.navigation.errors import NavErrors, mean_nis, nav_errors, outcomes
 from proxnav.navigation.events import Event, events
 from proxnav.navigation.faults import rows, with_fault
 from proxnav.navigation.navigator import Navigator, run_filter, scene_of
+from proxnav.navigation.observe import in_target_axes, lasting_of_keypoints, lasting_of_pose
 from proxnav.navigation.prediction import predict_view
 from proxnav.navigation.simulate import SimulationConfig, simulate
 from proxnav.navigation.smoother import smooth
-from proxnav.navigation.truth import TruthConfig, TumbleConfig
+from proxnav.navigation.truth import Truth, TruthConfig, TumbleConfig
 from proxnav.navigation.truth_files import true_states
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import ApproachConfig, straight_approach
+
+QUARTER = quaternion.exp(np.array([0.0, 0.0, np.pi / 2]))
 
 
 @pytest.mark.parametrize("coupling", ["tight", "loose"])
@@ -36,27 +40,29 @@ def test_errors_settle_within_their_claims(coupling: str) -> None:
         assert 0.7 < nis < 1.3, kind
 
 
-def test_tight_and_loose_coupling_agree() -> None:
+def test_tight_and_loose_coupling_agree_within_their_claims() -> None:
     truth, records = fly()
     tight = filtered(truth, records)[0]
     loose = filtered(truth, records, NavigationConfig(coupling="loose"))[0]
     difference = np.abs(tight.errors - loose.errors)[-10:]
-    assert (difference < tight.sigmas[-10:]).all()
+    assert (difference < 3.0 * np.hypot(tight.sigmas, loose.sigmas)[-10:]).all()
 
 
 def test_a_fused_pose_is_better_than_a_single_frame() -> None:
-    truth, records = fly()
-    assert records.poses is not None
-    found = filtered(truth, records)[0]
-    late = records.poses.t > 60.0
-    k = np.round(records.poses.t[late] / truth.step_s).astype(int)
-    single = np.sqrt(np.mean(np.sum((records.poses.t_cam_target_m[late] - truth.t_cam_target_m[k]) ** 2, axis=1)))
-    fused = np.sqrt(np.mean(np.sum(found.errors[found.t > 60.0, :3] ** 2, axis=1)))
-    assert fused < 0.7 * single
+    single, fused = [], []
+    for seed in range(4):
+        truth, records = fly(seed=seed)
+        assert records.poses is not None
+        found = filtered(truth, records, NavigationConfig(coupling="loose"))[0]
+        late = records.poses.t > 60.0
+        k = np.round(records.poses.t[late] / truth.step_s).astype(int)
+        single.append(quaternion.angle_between(records.poses.q_cam_target[late], truth.q_cam_target[k]))
+        fused.append(np.linalg.norm(found.errors[found.t > 60.0, 6:9], axis=1))
+    assert np.sqrt(np.mean(np.square(fused))) < 0.8 * np.sqrt(np.mean(np.concatenate(single) ** 2))
 
 
 def final_belief(records, order: np.ndarray | None = None):
-    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    scene = scene_of(records, points(), CAMERA, TIGHT)
     stream = events(records, scene)
     navigator = Navigator(scene, 0.0)
     for i in range(len(stream)) if order is None else order:
@@ -67,7 +73,7 @@ def final_belief(records, order: np.ndarray | None = None):
 
 def test_readings_in_any_order_within_the_buffer_give_the_same_state() -> None:
     _, records = fly(seconds=14.0)
-    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    scene = scene_of(records, points(), CAMERA, TIGHT)
     count = len(events(records, scene))
     first = final_belief(records)
     in_time = sorted(range(count), key=lambda i: events(records, scene)[i].rank)
@@ -76,15 +82,18 @@ def test_readings_in_any_order_within_the_buffer_give_the_same_state() -> None:
         final_belief(records, np.random.default_rng(0).permutation(count)),
     )
     for other in (ordered, shuffled):
-        assert first.belief.x is not None
-        assert other.belief.x is not None
-        np.testing.assert_allclose(other.belief.x, first.belief.x, atol=1e-9)
-        np.testing.assert_allclose(other.belief.P, first.belief.P, rtol=1e-6, atol=1e-15)
+        mine, theirs = first.belief, other.belief
+        assert mine.x is not None
+        assert mine.P is not None
+        assert theirs.x is not None
+        assert theirs.P is not None
+        np.testing.assert_allclose(theirs.x, mine.x, atol=1e-9)
+        np.testing.assert_allclose(theirs.P, mine.P, rtol=1e-6, atol=1e-15)
 
 
 def test_readings_that_come_twice_or_too_late_or_from_the_future_are_counted_and_left_out() -> None:
     _, records = fly(seconds=60.0)
-    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    scene = scene_of(records, points(), CAMERA, TIGHT)
     stream = events(records, scene)
     navigator = Navigator(scene, 0.0)
     for event in stream:
@@ -124,21 +133,24 @@ def test_one_swapped_pair_is_refused_alone() -> None:
     assert np.nanmean(found.inside_3_sigma[found.t > 30.0]) > 0.97
 
 
-def test_a_target_that_is_suddenly_elsewhere_is_lost_and_found_again() -> None:
+def turned_from(t0: float) -> tuple[Truth, SensorRecords]:
+    """A flight whose camera sees the target a quarter turn about z away from `t0` on, and its truth."""
     truth, records = fly()
     k, p = records.keypoints, records.poses
     assert k is not None
     assert p is not None
-    turn = quaternion.exp(np.array([0.0, 0.0, np.pi / 2]))
-    jumped = k.t > 40.0
     pixels = k.pixels.copy()
-    for i in np.flatnonzero(jumped):
+    for i in np.flatnonzero(k.t > t0):
         j = round(float(k.t[i]) / truth.step_s)
-        R = quaternion.to_matrix(quaternion.multiply(truth.q_cam_target[j], turn))
+        R = quaternion.to_matrix(quaternion.multiply(truth.q_cam_target[j], QUARTER))
         pixels[i] = CAMERA.project(points() @ R.T + truth.t_cam_target_m[j])
-    q = np.where(jumped[:, None], quaternion.multiply(p.q_cam_target, turn), p.q_cam_target)
-    broken = replace(records, keypoints=replace(k, pixels=pixels), poses=replace(p, q_cam_target=q))
-    scene = scene_of(broken, points(), CAMERA, NavigationConfig())
+    q = np.where((p.t > t0)[:, None], quaternion.multiply(p.q_cam_target, QUARTER), p.q_cam_target)
+    return truth, replace(records, keypoints=replace(k, pixels=pixels), poses=replace(p, q_cam_target=q))
+
+
+def test_a_free_target_that_is_suddenly_elsewhere_is_lost_and_found_again() -> None:
+    truth, broken = turned_from(40.0)
+    scene = scene_of(broken, points(), CAMERA, NavigationConfig(coupling="tight", target="free"))
     times = np.arange(5.0, truth.t[-1], 1.0)
     states, _, last = run_filter(broken, scene, times)
     assert last.starts == 2
@@ -146,8 +158,17 @@ def test_a_target_that_is_suddenly_elsewhere_is_lost_and_found_again() -> None:
     assert "coasting" in seen or "lost" in seen  # it said so
     end = states[-1]
     assert end is not None
-    expected = quaternion.multiply(true_states(truth).at(times).q_cam_target[-1], turn)
+    expected = quaternion.multiply(true_states(truth).at(times).q_cam_target[-1], QUARTER)
     assert quaternion.angle_between(end.q_cam_target, expected) < np.deg2rad(2.0)
+
+
+def test_a_held_target_that_looks_elsewhere_is_not_believed_and_the_filter_says_that_it_is_lost() -> None:
+    truth, broken = turned_from(40.0)
+    scene = scene_of(broken, points(), CAMERA, TIGHT)
+    states, judged, last = run_filter(broken, scene, np.array([39.0, truth.t[-1]]))
+    assert last.starts == 1
+    assert [state.status for state in states if state is not None] == ["tracking", "lost"]
+    assert outcomes(judged)["poses"]["gated"] > 20  # each pose was offered as a new start
 
 
 def test_without_camera_the_filter_says_that_it_coasts_and_its_claims_grow() -> None:
@@ -157,7 +178,7 @@ def test_without_camera_the_filter_says_that_it_coasts_and_its_claims_grow() -> 
         records, keypoints=rows(records.keypoints, records.keypoints.t < 60.0),
         poses=rows(records.poses, records.poses.t < 60.0) if records.poses else None, gnss=None,
     )  # fmt: skip
-    scene = scene_of(blind, points(), CAMERA, NavigationConfig())
+    scene = scene_of(blind, points(), CAMERA, TIGHT)
     states, _, _ = run_filter(blind, scene, np.array([58.0, 110.0]))
     before, after = states
     assert before is not None
@@ -175,7 +196,7 @@ def test_the_accelerometer_in_free_flight_does_harm_and_in_burns_it_helps() -> N
     assert camera is not None
     blind = replace(records, keypoints=rows(camera, camera.t < 100.0))  # then 140 s of dead reckoning
     gated = filtered(truth, blind)[0]
-    naive = filtered(truth, blind, NavigationConfig(accelerometer="always"))[0]
+    naive = filtered(truth, blind, NavigationConfig(coupling="tight", accelerometer="always"))[0]
     assert np.linalg.norm(naive.errors[-1, :3]) > 5.0 * np.linalg.norm(gated.errors[-1, :3])
     assert np.linalg.norm(naive.errors[-1, :3]) > 1.0  # m: 0.05 mg for 140 s
 
@@ -186,11 +207,35 @@ def test_a_burn_is_followed_by_the_accelerometer() -> None:
     path = straight_approach(ApproachConfig((0.0, -45.0, 0.0), (0.0, -29.0, 0.0), 80.0, 5.0))
     truth, records = simulate(path, load_target("space-rider"), CAMERA, config, np.random.default_rng(3))
     felt = filtered(truth, records)[0]
-    deaf = filtered(truth, records, NavigationConfig(accelerometer="never"))[0]
+    deaf = filtered(truth, records, NavigationConfig(coupling="tight", accelerometer="never"))[0]
     burned = felt.t == 45.0
     dv = np.linalg.norm(truth.specific_force, axis=1).sum() * truth.step_s
     assert dv > 0.01  # m/s: there was a burn to feel
     assert np.linalg.norm(felt.errors[burned, 3:6]) < 0.5 * np.linalg.norm(deaf.errors[burned, 3:6])
+
+
+@pytest.mark.parametrize("coupling", ["loose", "tight"])
+def test_after_a_time_without_frames_lasting_errors_have_the_size_of_the_new_view(coupling: str) -> None:
+    _, records = fly(seconds=60.0)
+    scene = scene_of(records, points(), CAMERA, NavigationConfig(coupling=coupling))  # type: ignore[arg-type]
+    navigator = Navigator(scene, 0.0)
+    stream = events(records, scene)
+    for event in stream:
+        navigator.receive(event)
+    now = navigator.belief
+    blind = replace(now, camera_t=now.t - 5.0 * scene.lasting_tau_s)
+    kind = "poses" if coupling == "loose" else "keypoints"
+    first, *rest = next(event for event in reversed(stream) if event.kind == kind).values
+    cov = 100.0 * rest[-1]
+    if coupling == "loose":
+        seen = lasting_of_pose(blind, in_target_axes(cov, first), scene)
+    else:
+        seen = lasting_of_keypoints(blind, first, cov, scene)
+    assert now.P is not None
+    assert seen.P is not None
+    grown = np.diagonal(seen.P - now.P)[-6:]
+    np.testing.assert_allclose(grown, 99.0 * np.diagonal(now.pose_errors), rtol=0.15)  # nearly the same view
+    np.linalg.cholesky(seen.P)
 
 
 def test_a_jump_of_the_gyro_bias_is_survived() -> None:
@@ -199,35 +244,54 @@ def test_a_jump_of_the_gyro_bias_is_survived() -> None:
     assert found.inside_3_sigma[-10:].mean() > 0.97
 
 
-def test_a_tumbling_target_is_followed_by_eulers_equations() -> None:
-    free = TumbleConfig(rate_deg_s=(0.5, 1.0, 0.3), inertia=(1.0, 3.0, 3.2))
-    config = SimulationConfig(TruthConfig(step_s=0.5, tumble=free), SENSING)
-    truth, records = simulate(reference(150.0), load_target("space-rider"), CAMERA, config, np.random.default_rng(4))
-    noise = FilterNoise(target_rate=0.05, target_rate_walk=1e-5)
-    found, _, starts = filtered(truth, records, NavigationConfig(target_rate="free", inertia=free.inertia, noise=noise))
-    assert starts == 1
-    assert np.rad2deg(np.abs(found.errors[-10:, 9:])).max() < 0.05  # deg/s
-    assert found.inside_3_sigma[-10:].mean() > 0.97
+def tumbling(inertia_sigma: float) -> tuple[list[NavErrors], list[int]]:
+    """Flights round a target whose moments are 5 % off, through a filter that takes them for so uncertain."""
+    free = TumbleConfig(rate_deg_s=(0.5, 1.0, 0.3), inertia=(1.0, 3.0, 3.2), inertia_sigma=0.05)
+    config = SimulationConfig(TruthConfig(step_s=1.0, tumble=free), SENSING)
+    noise = FilterNoise(free_rate=0.05, free_rate_walk=1e-5)
+    found, starts = [], []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        truth, records = simulate(reference(150.0), load_target("space-rider"), CAMERA, config, rng)
+        navigation = NavigationConfig(target="free", inertia=free.inertia, inertia_sigma=inertia_sigma, noise=noise)
+        errors, _, started = filtered(truth, records, navigation)
+        found.append(errors)
+        starts.append(started)
+    return found, starts
+
+
+def test_a_tumbling_target_is_followed_by_eulers_equations_with_uncertain_moments() -> None:
+    found, starts = tumbling(inertia_sigma=0.05)
+    assert starts == [1, 1, 1]
+    assert max(np.rad2deg(np.abs(errors.errors[-10:, 9:])).max() for errors in found) < 0.1  # deg/s
+    assert np.mean([errors.inside_3_sigma[-10:] for errors in found]) > 0.97
+
+
+def test_a_filter_that_takes_wrong_moments_for_certain_is_not_honest() -> None:
+    found, _ = tumbling(inertia_sigma=0.0)
+    assert np.mean([errors.nees[-10:] for errors in found]) > 40.0  # of 12
 
 
 def test_smoothing_is_better_than_filtering_and_as_honest() -> None:
-    truth, records = fly()
-    scene = scene_of(records, points(), CAMERA, NavigationConfig())
-    smoothed = [state for state in smooth(records, scene) if 20.0 < state.t < 100.0]
-    t = np.array([state.t for state in smoothed])
-    after = nav_errors(smoothed, true_states(truth).at(t))
-    states, _, _ = run_filter(records, scene, t)
-    before = nav_errors(states, true_states(truth).at(t))
-    rms = [np.sqrt(np.mean(found.errors**2, axis=0)) for found in (after, before)]
-    assert np.linalg.norm(rms[0][:3]) < np.linalg.norm(rms[1][:3])
-    assert np.linalg.norm(rms[0][3:6]) < 0.7 * np.linalg.norm(rms[1][3:6])
-    assert (after.sigmas <= before.sigmas * 1.05).mean() > 0.95
-    assert np.mean(after.nees) < 25.0
+    before, after = [], []
+    for seed in range(6):
+        truth, records = fly(seed=seed)
+        scene = scene_of(records, points(), CAMERA, TIGHT)
+        smoothed = [state for state in smooth(records, scene) if 20.0 < state.t < 100.0]
+        t = np.array([state.t for state in smoothed])
+        after.append(nav_errors(smoothed, true_states(truth).at(t)))
+        before.append(nav_errors(run_filter(records, scene, t)[0], true_states(truth).at(t)))
+    rms = [np.sqrt(np.mean([np.mean(f.errors**2, axis=0) for f in found], axis=0)) for found in (before, after)]
+    assert np.linalg.norm(rms[1][3:6]) < 0.8 * np.linalg.norm(rms[0][3:6])  # m/s
+    assert np.linalg.norm(rms[1][9:]) < np.linalg.norm(rms[0][9:])  # rad/s
+    for first, last in zip(before, after, strict=True):
+        assert (last.sigmas <= first.sigmas * 1.05).mean() > 0.95
+    assert 8.0 < np.mean([f.nees.mean() for f in after]) < 17.0
 
 
 def test_the_predicted_view_holds_the_next_keypoints() -> None:
     truth, records = fly()
-    scene = scene_of(records, points(), CAMERA, NavigationConfig())
+    scene = scene_of(records, points(), CAMERA, TIGHT)
     states, _, _ = run_filter(records, scene, np.array([100.0]))
     assert states[0] is not None
     view = predict_view(states[0], points(), CAMERA)
@@ -242,14 +306,14 @@ def test_the_predicted_view_holds_the_next_keypoints() -> None:
 def test_records_without_what_the_filter_needs_are_refused_in_a_sentence() -> None:
     _, records = fly()
     with pytest.raises(InputError, match="star tracker"):
-        scene_of(without(records, "star_tracker"), points(), CAMERA, NavigationConfig())
+        scene_of(without(records, "star_tracker"), points(), CAMERA, TIGHT)
     with pytest.raises(InputError, match="the target has 6"):
-        scene_of(records, points()[:6], CAMERA, NavigationConfig())
+        scene_of(records, points()[:6], CAMERA, TIGHT)
     assert records.gyro is not None
     fast = replace(records, gyro=replace(records.gyro, rate=1000.0 * records.gyro.rate))
     with pytest.raises(InputError, match="check the unit of the gyro"):
-        scene_of(fast, points(), CAMERA, NavigationConfig())
+        scene_of(fast, points(), CAMERA, TIGHT)
     assert records.gnss is not None
     far = replace(records, gnss=replace(records.gnss, position_m=1000.0 * records.gnss.position_m))
     with pytest.raises(InputError, match="check their units"):
-        scene_of(far, points(), CAMERA, NavigationConfig())
+        scene_of(far, points(), CAMERA, TIGHT)

@@ -6,15 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.flights import SENSING, fly
+from navigation.flights import CAMERA, SENSING, fly, points
 from proxnav.cli import main
+from proxnav.datasets.records import KeypointData, SensorRecords
 from proxnav.errors import InputError
-from proxnav.geometry import quaternion
+from proxnav.evaluation.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
+from proxnav.geometry import quaternion, so3
 from proxnav.navigation.attitude_motion import WobbleConfig, wobble
+from proxnav.navigation.config import CameraErrors, PoseErrors
 from proxnav.navigation.record_files import read_records, write_records
 from proxnav.navigation.sensors.fixes import CARRIER_GNSS, GnssConfig, StarTrackerConfig, read_gnss, read_star_tracker
 from proxnav.navigation.sensors.gauss_markov import gauss_markov
 from proxnav.navigation.sensors.inertial import AccelerometerConfig, GyroConfig, read_accelerometer, read_gyro
+from proxnav.navigation.truth import Truth
 from proxnav.navigation.truth_files import read_truth, true_states, write_truth
 
 
@@ -78,18 +82,64 @@ def test_star_tracker_is_worst_about_its_boresight(rng: np.random.Generator) -> 
     np.testing.assert_allclose(np.rad2deg(error.std(axis=0)) * 3600.0, [10.0, 50.0, 10.0], rtol=0.15)
 
 
-def test_keypoint_errors_are_white_and_lasting_in_equal_parts() -> None:
-    _, records = fly(seconds=240.0)
-    clean_sensing = replace(SENSING, detector=replace(SENSING.detector, white_px=0.0, correlated_px=0.0))
-    _, clean = fly(seconds=240.0, sensing=clean_sensing)
-    assert records.keypoints is not None
-    assert clean.keypoints is not None
-    order, clean_order = np.argsort(records.keypoints.t), np.argsort(clean.keypoints.t)
-    error = records.keypoints.pixels[order] - clean.keypoints.pixels[clean_order]
-    variance = np.nanvar(error)
-    assert abs(variance - 2.0) < 0.4  # px^2
-    lagged = np.nanmean(error[1:] * error[:-1]) / variance
-    assert abs(lagged - 0.5) < 0.1
+@pytest.mark.parametrize(("pose", "point", "white"), [(0.0, 0.2, 0.2), (0.4, 0.0, 1e-6), (0.45, 0.083, 0.005)])
+def test_keypoint_errors_have_the_shares_and_the_memory_that_were_asked_for(
+    pose: float, point: float, white: float
+) -> None:
+    errors = CameraErrors(pose_share=pose, point_share=point, white_share=white, tau_s=20.0)
+    frames = []
+    for seed in range(3):
+        sensing = replace(SENSING, detector=replace(SENSING.detector, errors=errors))
+        truth, records = fly(seconds=240.0, sensing=sensing, seed=seed)
+        assert records.keypoints is not None
+        frames += [frame_errors(truth, records.keypoints, i, seed) for i in range(len(records.keypoints.t))]
+    found = error_memory(frames, CAMERA.fx)
+    assert abs(found["pose_share"] - pose) < 0.25
+    assert abs(found["point_share"] - point) < 0.03
+    assert abs(found["white_share"] - white) < 0.03
+    assert 12.0 < found["tau_s"] < 32.0
+
+
+@pytest.mark.parametrize(("lasting", "white"), [(0.3, 0.03), (0.1, 0.3), (1.0, 0.01)])
+def test_pose_errors_have_the_shares_and_the_memory_that_were_asked_for(lasting: float, white: float) -> None:
+    errors = PoseErrors(lasting_share=lasting, white_share=white, tau_s=20.0)
+    poses = []
+    for seed in range(3):
+        sensing = replace(SENSING, detector=replace(SENSING.detector, pose_errors=errors))
+        truth, records = fly(seconds=240.0, sensing=sensing, seed=seed)
+        poses += pose_errors(truth, records, seed)
+    found = pose_memory(poses, CAMERA.fx)
+    assert abs(found["lasting_share"] - lasting) < 0.35 * lasting
+    assert abs(found["white_share"] - white) < 0.15 * (lasting + white)
+    assert 12.0 < found["tau_s"] < 32.0
+    assert abs(found["correlation_with_keypoint_poses"]) < 0.3  # drawn apart
+
+
+def pose_errors(truth: Truth, records: SensorRecords, seed: int) -> list[PoseError]:
+    """Of every pose, beside the least-squares pose of its keypoints."""
+    data, keypoints = records.poses, records.keypoints
+    assert data is not None
+    assert keypoints is not None
+    found = []
+    for i, t in enumerate(data.t.tolist()):
+        j, A = round(t / truth.step_s), np.eye(6)
+        turn = quaternion.multiply(quaternion.conjugate(truth.q_cam_target[j]), data.q_cam_target[i])
+        error = np.concatenate([data.t_cam_target_m[i] - truth.t_cam_target_m[j], quaternion.log(turn)])
+        A[3:, 3:] = quaternion.to_matrix(truth.q_cam_target[j]).T
+        step, H = least_squares_pose(frame_errors(truth, keypoints, i, seed))
+        cov = A @ data.covariance[i] @ A.T
+        found.append(PoseError(t + 1e5 * seed, 30.0, error, cov, 2.0, A @ step, A @ np.linalg.inv(H) @ A.T))
+    return found
+
+
+def frame_errors(truth: Truth, data: KeypointData, i: int, seed: int) -> FrameErrors:
+    j = round(float(data.t[i]) / truth.step_s)
+    turned = points() @ quaternion.to_matrix(truth.q_cam_target[j]).T
+    cam = turned + truth.t_cam_target_m[j]
+    J_pi = CAMERA.projection_jacobian(cam)
+    J = np.concatenate([J_pi, -J_pi @ so3.skew(turned)], axis=-1)
+    error = data.pixels[i] - CAMERA.project(cam)
+    return FrameErrors(data.t[i] + 1e5 * seed, 30.0, error, data.covariances_px2[i], J)
 
 
 def test_the_same_seed_gives_the_same_records_and_a_missing_sensor_changes_no_other() -> None:
@@ -170,7 +220,6 @@ def test_units_wrong_by_a_thousand_are_one_sentence(
 def camera_file(folder: Path) -> Path:
     import json
 
-    from navigation.flights import CAMERA
     from proxnav.geometry.camera_files import speed_json
 
     path = folder / "camera.json"

@@ -8,6 +8,7 @@ from proxnav.datasets.records import NavState, NavStatus
 from proxnav.geometry import Camera, quaternion, so3
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.kernels.orbit import orbit_at
+from proxnav.navigation.kernels.prediction import CAMERA_TAU
 from proxnav.navigation.layout import FIXED, PUBLISHED
 
 
@@ -23,8 +24,17 @@ class Scene:
     """(k, 3) keypoints of the target."""
     ephemeris: tuple[np.ndarray, np.ndarray, np.ndarray]
     """t, r, v of the target in ECI."""
-    eccentric: bool
+    own_antenna: np.ndarray
+    """Of the chaser, camera axes [m]."""
+    other_antenna: np.ndarray
+    """Of the target, target axes [m]."""
     has_gyro: bool
+    R_ric_held: np.ndarray
+    """Attitude that a controlled target holds."""
+    inertia: np.ndarray
+    """Of a free target; zeros where nobody knows."""
+    shares: np.ndarray
+    """Of the claimed covariance of keypoints: lasting by themselves, new."""
     noise: np.ndarray
     frame_gates: np.ndarray
 
@@ -36,7 +46,28 @@ class Scene:
     @property
     def camera_errors(self) -> int:
         """How many lasting camera errors the filter carries."""
-        return 2 * len(self.points_m) if self.config.coupling == "tight" else 6
+        return 2 * len(self.points_m) + 6 if self.config.coupling == "tight" else 6
+
+    @property
+    def lasting_pose_share(self) -> float:
+        """Of the claimed covariance of a pose."""
+        noise = self.config.noise
+        return noise.camera.pose_share if self.config.coupling == "tight" else noise.poses.lasting_share
+
+    @property
+    def lasting_tau_s(self) -> float:
+        """How long the camera's errors last."""
+        return float(self.noise[CAMERA_TAU])
+
+    def held(self, t: float) -> np.ndarray:
+        """(5, 3) how the target is held, as the compiled prediction takes it; zeros for a free target."""
+        out, config = np.zeros((5, 3)), self.config.held
+        if self.config.target == "held":
+            _, _, R_eci_ric, rate = self.orbit(t)
+            out[:3] = R_eci_ric @ self.R_ric_held
+            out[3] = rate * self.R_ric_held[2]
+            out[4, :2] = config.frequency, config.damping
+        return out
 
     def orbit(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         """(r, v, R_eci_ric, orbital rate) of the target."""
@@ -51,6 +82,8 @@ class Belief:
     x: np.ndarray | None = None
     """None before the first pose."""
     P: np.ndarray | None = None
+    pose_errors: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
+    """Covariance of the lasting pose errors in frames like the last: dt in camera, dr in target axes."""
     rate_cam: np.ndarray = field(default_factory=lambda: np.zeros(3))
     """Last gyro reading [rad/s]."""
     gyro_t: float = -np.inf

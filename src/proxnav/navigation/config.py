@@ -12,14 +12,51 @@ from proxnav.errors import InputError
 
 
 @dataclass(frozen=True)
+class CameraErrors:
+    """How the covariance that the detector claims of keypoints divides; the shares need not add up to 1.
+
+    `proxnav benchmark detector` measures these numbers; docs/navigation.md says what they mean.
+    """
+
+    pose_share: float = 0.72
+    """Lasts as an error of the whole pose: the network sees a target of the right shape in a wrong place."""
+    point_share: float = 0.085
+    """Lasts too, of each keypoint by itself."""
+    white_share: float = 0.0046
+    """New in every frame."""
+    tau_s: float = 385.0
+    """How long lasting errors last (first-order Gauss-Markov)."""
+
+    def __post_init__(self) -> None:
+        if min(self.pose_share, self.point_share) < 0.0 or not self.white_share > 0.0 or not self.tau_s > 0.0:
+            raise InputError("camera: white_share and tau_s must be positive, the other shares at least 0")
+
+
+@dataclass(frozen=True)
+class PoseErrors:
+    """The same of the poses that the estimator gives, laid onto the image's edges after the keypoints.
+
+    Defaults: `aligned_poses` of benchmarks/results/detector/detector.json, which the same command measures.
+    """
+
+    lasting_share: float = 0.78
+    white_share: float = 0.067
+    tau_s: float = 235.0
+
+    def __post_init__(self) -> None:
+        if self.lasting_share < 0.0 or not self.white_share > 0.0 or not self.tau_s > 0.0:
+            raise InputError("poses: white_share and tau_s must be positive, lasting_share at least 0")
+
+
+@dataclass(frozen=True)
 class FilterNoise:
     """Process noise and first uncertainties, one standard deviation each."""
 
-    acceleration: float = 1e-6
+    acceleration: float = 1e-7
     """White acceleration [m/s^2 per sqrt(Hz)]: what the dynamics leave out."""
-    slow_acceleration: float = 4e-7
-    """Differential drag and J2 [m/s^2], as a process that forgets in `slow_tau_s`."""
-    slow_tau_s: float = 900.0
+    slow_acceleration: Triple = (2e-8, 2.5e-7, 2e-8)
+    """Differential drag [m/s^2] in RIC axes, as a process that forgets in `slow_tau_s`; it acts along the flight."""
+    slow_tau_s: float = 3000.0
     gyro: float = 4.4e-5
     """Angle random walk [rad/sqrt(s)]."""
     gyro_bias_walk: float = 2e-7
@@ -32,10 +69,10 @@ class FilterNoise:
     """First uncertainty of that rate [rad/s]."""
     held_rate: float = 3e-4
     """How wrong the last rate may be where gyro readings are missing [rad/s]."""
-    target_rate_walk: float = 2.4e-5
-    """Wandering of the target's rate [rad/s per sqrt(s)]."""
-    target_rate: float = 5e-4
-    """First uncertainty of the target's rate [rad/s]; use 0.05 for a tumbling target."""
+    free_rate_walk: float = 2.4e-5
+    """Wandering of a free target's rate [rad/s per sqrt(s)]."""
+    free_rate: float = 0.05
+    """First uncertainty of a free target's rate [rad/s]."""
     velocity: float = 0.3
     """First uncertainty of the relative velocity [m/s]."""
     accelerometer: float = 1.0e-3
@@ -44,19 +81,33 @@ class FilterNoise:
     """Scale and alignment errors of a burn, as a share of it."""
     gnss_bias_m: float = 0.3
     gnss_tau_s: float = 300.0
-    camera_tau_s: float = 60.0
-    """How long the detector's errors last."""
-    camera_share: float = 0.5
-    """Share of the keypoints' (or poses') variance that lasts; the rest is new in every frame."""
+    camera: CameraErrors = field(default_factory=CameraErrors)
+    """Of keypoints, for tight coupling."""
+    poses: PoseErrors = field(default_factory=PoseErrors)
+    """Of poses, for loose coupling."""
 
-    def vector(self, has_gyro: bool) -> Float[np.ndarray, "10"]:
-        """For the compiled prediction, whose places it follows."""
-        walk = self.gyro_bias_walk if has_gyro else self.rate_walk_without_gyro
-        gyro = self.gyro if has_gyro else 0.0
-        return np.array(
-            [self.acceleration**2, self.slow_acceleration, self.slow_tau_s, gyro**2, walk**2, self.target_rate_walk**2,
-             self.gnss_bias_m, self.gnss_tau_s, self.camera_tau_s, 0.0]
-        )  # fmt: skip
+
+@dataclass(frozen=True)
+class HeldTarget:
+    """A target whose attitude is controlled: it wanders about an attitude that is fixed in LVLH."""
+
+    sigma_deg: float = 0.3
+    """Standard deviation about each axis."""
+    period_s: float = 300.0
+    """Of the control loop."""
+    damping: float = 0.7
+    q_lvlh_target: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    """The attitude that is held (LVLH: x along the flight, z to nadir)."""
+
+    @property
+    def frequency(self) -> float:
+        """Of the control loop [rad/s]."""
+        return 2.0 * np.pi / self.period_s
+
+    @property
+    def rate_walk(self) -> float:
+        """Random walk of the rate that keeps the wander at `sigma_deg` [rad/s per sqrt(s)]."""
+        return float(np.deg2rad(self.sigma_deg) * np.sqrt(4.0 * self.damping * self.frequency**3))
 
 
 @dataclass(frozen=True)
@@ -97,14 +148,18 @@ class LossConfig:
 class NavigationConfig:
     """The filter."""
 
-    coupling: Literal["tight", "loose"] = "tight"
-    """tight: each keypoint by itself; loose: poses of the pose solver."""
-    dynamics: Literal["auto", "circular", "eccentric"] = "auto"
-    """Clohessy-Wiltshire, Yamanaka-Ankersen, or by the eccentricity of the ephemeris."""
-    target_rate: Literal["lvlh", "free"] = "lvlh"
-    """Before the first frames the target turns with the orbit, or nobody knows."""
+    coupling: Literal["loose", "tight"] = "loose"
+    """loose: the estimator's poses, which are finer than its keypoints; tight: each keypoint by itself."""
+    dynamics: Literal["gradient", "circular", "eccentric"] = "gradient"
+    """Gravity gradient with J2 along the real orbit; or Clohessy-Wiltshire, or Yamanaka-Ankersen, for comparison."""
+    target: Literal["held", "free"] = "held"
+    """Whether somebody controls the target's attitude."""
+    held: HeldTarget = field(default_factory=HeldTarget)
+    """How a controlled target is held."""
     inertia: Triple | None = None
     """Principal moments of a free target along its axes, up to a common factor; None: its rate only wanders."""
+    inertia_sigma: float = 0.05
+    """How wrong each of them may be, as a share of it."""
     gyro: bool = True
     gnss: bool = True
     accelerometer: Literal["burns", "always", "never"] = "burns"
@@ -123,7 +178,18 @@ class NavigationConfig:
     target_antenna_target_m: Triple = (-2.0, 0.0, -1.2)
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.noise.camera_share < 1.0:
-            raise InputError(f"camera_share must be in [0, 1), found {self.noise.camera_share}")
         if not self.buffer_s > 0.0:
             raise InputError(f"buffer_s must be positive, found {self.buffer_s}")
+        if not (self.held.sigma_deg > 0.0 and self.held.period_s > 0.0 and self.held.damping > 0.0):
+            raise InputError("held.sigma_deg, held.period_s and held.damping must be positive")
+
+    def noise_vector(self, has_gyro: bool) -> Float[np.ndarray, "12"]:
+        """For the compiled prediction, whose places it follows."""
+        n = self.noise
+        walk = n.gyro_bias_walk if has_gyro else n.rate_walk_without_gyro
+        gyro = n.gyro if has_gyro else 0.0
+        rate_walk = self.held.rate_walk if self.target == "held" else n.free_rate_walk
+        return np.array(
+            [n.acceleration**2, *n.slow_acceleration, n.slow_tau_s, gyro**2, walk**2, rate_walk**2,
+             n.gnss_bias_m, n.gnss_tau_s, n.camera.tau_s if self.coupling == "tight" else n.poses.tau_s, 0.0]
+        )  # fmt: skip

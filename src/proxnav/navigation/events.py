@@ -11,7 +11,7 @@ from proxnav.geometry import quaternion
 from proxnav.navigation.belief import Belief, Scene
 from proxnav.navigation.observe import Verdict, take_gnss, take_keypoints, take_pose, take_star_fix
 from proxnav.navigation.propagate import Step, propagate, take_force, take_gyro
-from proxnav.navigation.start import can_start, start
+from proxnav.navigation.start import can_start, disagrees_with_control, start
 
 Kind = Literal["gyro", "accelerometer", "star_tracker", "gnss", "poses", "keypoints"]
 
@@ -61,6 +61,8 @@ def _take_pose(belief: Belief, event: Event, scene: Scene) -> tuple[Belief, Verd
     """Starts the filter where it needs that; with loose coupling the pose is also measured."""
     q, t_m, cov = event.values
     started = can_start(belief)
+    if started and disagrees_with_control(belief, q, cov, scene):
+        return belief, Verdict("gated")
     if started:
         belief = start(belief, q, t_m, cov, scene)
     if scene.config.coupling == "loose":

@@ -18,10 +18,11 @@ GYRO_STEP_DEG_H = 200.0
 LATE_S = 2.0
 CAMERA_LOST_S = 600.0
 DARK_S = 2160.0
+ONSET_S = 300.0
 
 
 def with_fault(records: SensorRecords, fault: Fault, rng: np.random.Generator) -> SensorRecords:
-    """The records with a fault; those in time begin at a quarter of the run."""
+    """The records with a fault; those in time begin after five minutes, in shorter runs at a quarter."""
     return FAULTS[fault](records, rng)
 
 
@@ -50,7 +51,7 @@ def _wrong_frames(records: SensorRecords, rng: np.random.Generator) -> SensorRec
 
 def _without_camera(seconds: float) -> Callable[[SensorRecords, np.random.Generator], SensorRecords]:
     def apply(records: SensorRecords, _: np.random.Generator) -> SensorRecords:
-        first = _quarter(records)
+        first = _onset(records)
 
         def cut(data: KeypointData | PoseData | None) -> Any:
             return None if data is None else rows(data, (data.t < first) | (data.t > first + seconds))
@@ -62,14 +63,14 @@ def _without_camera(seconds: float) -> Callable[[SensorRecords, np.random.Genera
 
 def _gnss_lost(records: SensorRecords, _: np.random.Generator) -> SensorRecords:
     g = records.gnss
-    return records if g is None else replace(records, gnss=rows(g, g.t < _quarter(records)))
+    return records if g is None else replace(records, gnss=rows(g, g.t < _onset(records)))
 
 
 def _gyro_step(records: SensorRecords, rng: np.random.Generator) -> SensorRecords:
     g = records.gyro
     assert g is not None
     jump = np.deg2rad(GYRO_STEP_DEG_H) / 3600.0 * _unit(rng.normal(size=3))
-    return replace(records, gyro=replace(g, rate=g.rate + jump * (g.t > _quarter(records))[:, None]))
+    return replace(records, gyro=replace(g, rate=g.rate + jump * (g.t > _onset(records))[:, None]))
 
 
 def _late_camera(records: SensorRecords, _: np.random.Generator) -> SensorRecords:
@@ -112,9 +113,9 @@ def rows(data: Any, index: np.ndarray) -> Any:
     return type(data)(*(getattr(data, name)[index] for name in data.__dataclass_fields__))
 
 
-def _quarter(records: SensorRecords) -> float:
+def _onset(records: SensorRecords) -> float:
     t = records.ephemeris.t
-    return float(t.min() + 0.25 * (t.max() - t.min()))
+    return float(t.min() + min(0.25 * (t.max() - t.min()), ONSET_S))
 
 
 def _unit(v: np.ndarray) -> np.ndarray:

@@ -6,8 +6,9 @@ error: r 0-3, v 3-6, camera attitude 6-9, relative attitude 9-12, rate 12-15, gy
        bias 21-24, camera errors from 24
 
 r, v: camera relative to the target's origin, RIC axes, rates in the rotating frame. Attitude errors are local:
-q_true = q * exp(error / 2), in camera axes for q_eci_cam and in target axes for q_cam_target. The camera errors are in
-units of their own standard deviation.
+q_true = q * exp(error / 2), in camera axes for q_eci_cam and in target axes for q_cam_target. The camera errors are,
+with tight coupling, two of each keypoint in units of their own standard deviation; then always six of the whole pose:
+dt [m] in camera axes and dr [rad] in target axes, by which the camera sees the target displaced.
 """
 
 CORE = 21

@@ -112,7 +112,7 @@ def judge_fault(results: Sequence[RunResult]) -> dict[str, Any]:
     inside, says, peaks = 0, 0, []
     count = round(_END_S / EVERY_S)
     for r in results:
-        healthy = float(np.nanmean(r.nees[-count:])) < bound and np.isfinite(r.nees[-1])
+        healthy = bool(np.isfinite(r.nees[-1]) and np.nanmean(r.nees[-count:]) < bound)
         silent = bool((r.status[-count:] == _TRACKING).all())
         inside += healthy
         says += not healthy and not silent

@@ -4,6 +4,7 @@ A ring of beliefs leads back: a late reading is put in its place and everything 
 """
 
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,17 +12,16 @@ import numpy as np
 
 from proxnav.datasets.records import NavState, SensorRecords
 from proxnav.errors import InputError
-from proxnav.geometry import Camera
+from proxnav.geometry import Camera, quaternion
 from proxnav.navigation.belief import Belief, Scene, nav_state
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.events import Event, apply, events
 from proxnav.navigation.observe import Outcome, Verdict
 from proxnav.navigation.plausibility import check_together
 from proxnav.navigation.propagate import propagate
-from proxnav.navigation.yamanaka_ankersen import reference_orbit
 
-_ECCENTRIC = 5e-3
-"""Beyond it Yamanaka-Ankersen; J2 alone makes a circle look like 1e-3."""
+R_RIC_LVLH = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+"""LVLH: x along the flight, y against the orbit's normal, z to nadir."""
 _LONGEST_EPHEMERIS_STEP_S = 120.0
 _AHEAD_S = 1.0
 
@@ -57,13 +57,17 @@ def make_scene(
             f"the ephemeris needs distinct times at most {_LONGEST_EPHEMERIS_STEP_S:g} s apart, found {gap}: "
             "give it in smaller steps"
         )
-    e = reference_orbit(r[0], v[0]).eccentricity
-    eccentric = config.dynamics == "eccentric" or (config.dynamics == "auto" and e > _ECCENTRIC)
     gyro = has_gyro and config.gyro
     points = np.ascontiguousarray(points_m, dtype=np.float64)
+    inertia = config.inertia if config.inertia and config.target == "free" else (0.0, 0.0, 0.0)
     return Scene(
-        config, camera.undistorted(), camera, points, (t, r, v), eccentric, gyro, config.noise.vector(gyro),
-        config.gates.frame_gates(2 * len(points)),
+        config=config, camera=camera.undistorted(), real_camera=camera, points_m=points, ephemeris=(t, r, v),
+        own_antenna=np.array(config.chaser_antenna_cam_m), other_antenna=np.array(config.target_antenna_target_m),
+        has_gyro=gyro, R_ric_held=R_RIC_LVLH @ quaternion.to_matrix(np.array(config.held.q_lvlh_target)),
+        inertia=np.array(inertia),
+        shares=np.array([config.noise.camera.point_share, config.noise.camera.white_share]),
+        noise=config.noise_vector(gyro),
+        frame_gates=config.gates.frame_gates(2 * len(points)),
     )  # fmt: skip
 
 
@@ -90,12 +94,15 @@ class Navigator:
         self._ring: list[_Entry] = []
         self._keys: list[tuple[float, int]] = []
         self._newest = t0
+        self._stale = 0
+        """First place of the ring whose belief is not up to date."""
         self.judged: list[Judged] = []
         """Readings that can no longer change, in the order of their time."""
 
     @property
     def belief(self) -> Belief:
         """After everything received so far."""
+        self._replay()
         return self._ring[-1].belief if self._ring else self._origin
 
     def at(self, t: float) -> NavState | None:
@@ -105,21 +112,30 @@ class Navigator:
 
     def receive(self, event: Event) -> Outcome:
         """Applies a reading at its own time; replays what came after."""
+        entry = self.put(event)
+        if isinstance(entry, Verdict):
+            return entry.outcome
+        self._replay()
+        return entry.verdict.outcome
+
+    def put(self, event: Event) -> "_Entry | Verdict":
+        """Takes a reading without looking at it yet: it is applied, in its place, when the belief is next asked for."""
         refused = self._refusal(event)
         if refused is not None:
             self.judged.append(Judged(event, Verdict(refused)))
-            return refused
+            return Verdict(refused)
         place = bisect_right(self._keys, event.rank)
+        entry = _Entry(event, self._origin, Verdict("accepted"))
         self._keys.insert(place, event.rank)
-        self._ring.insert(place, _Entry(event, self._origin, Verdict("accepted")))
-        self._replay(place)
-        outcome = self._ring[place].verdict.outcome
+        self._ring.insert(place, entry)
+        self._stale = min(self._stale, place)
         self._newest = max(self._newest, event.t)
         self._forget()
-        return outcome
+        return entry
 
     def finish(self) -> None:
         """Judges what is still in the ring."""
+        self._replay()
         self.judged.extend(Judged(entry.event, entry.verdict) for entry in self._ring)
 
     def _refusal(self, event: Event) -> Outcome | None:
@@ -132,7 +148,11 @@ class Navigator:
             return "duplicate"
         return None
 
-    def _replay(self, first: int) -> None:
+    def _replay(self) -> None:
+        """Applies again what a newly placed reading has made stale."""
+        first, self._stale = self._stale, len(self._ring)
+        if first >= len(self._ring):
+            return
         belief = self._ring[first - 1].belief if first else self._origin
         for entry in self._ring[first:]:
             belief, entry.verdict = apply(belief, entry.event, self._scene)
@@ -144,24 +164,30 @@ class Navigator:
         count = bisect_right(self._keys, (horizon, -1))
         if count < 32:
             return
+        self._replay()
         for entry in self._ring[:count]:
             self.judged.append(Judged(entry.event, entry.verdict))
         self._origin = self._ring[count - 1].belief
         del self._ring[:count], self._keys[:count]
+        self._stale = len(self._ring)
 
 
 def run_filter(
-    records: SensorRecords, scene: Scene, times: np.ndarray
+    records: SensorRecords, scene: Scene, times: np.ndarray, done: Callable[[], None] = lambda: None
 ) -> tuple[list[NavState | None], list[Judged], Belief]:
-    """States as they stood in real time at `times`, every reading with its verdict, and the last belief."""
+    """States as they stood in real time at `times`, every reading with its verdict, and the last belief.
+
+    `done` is called after each of `times`.
+    """
     stream = events(records, scene)
     t0 = min((event.t for event in stream), default=0.0)
     navigator = Navigator(scene, t0)
     found, k = [], 0
     for t in times.tolist():
         while k < len(stream) and stream[k].received <= t + 1e-9:
-            navigator.receive(stream[k])
+            navigator.put(stream[k])
             k += 1
         found.append(navigator.at(t))
+        done()
     navigator.finish()
     return found, navigator.judged, navigator.belief

@@ -7,11 +7,25 @@ from typing import Literal
 import numpy as np
 from scipy.stats import chi2
 
-from proxnav.geometry import quaternion, so3
 from proxnav.navigation.belief import Belief, Scene
 from proxnav.navigation.kernels.prediction import corrected
-from proxnav.navigation.kernels.update import ACCEPTED, joseph, keypoint_update, reset
+from proxnav.navigation.kernels.rotations import conjugate, exp, log, multiply, skew, to_matrix
+from proxnav.navigation.kernels.update import (
+    ACCEPTED,
+    gnss_model,
+    joseph,
+    keypoint_model,
+    keypoint_update,
+    pose_covariance,
+    reset,
+)
 from proxnav.navigation.layout import FIXED
+
+_STAR = np.array([6, 7, 8])
+_POSE = np.array([0, 1, 2, 6, 7, 8, 9, 10, 11, *range(FIXED, FIXED + 6)])
+_GNSS = np.array([*range(18), *range(21, 24)])
+"""Errors that each measurement sees."""
+_NO_RATE = np.zeros(3)
 
 Outcome = Literal["accepted", "gated", "no_points", "not_started", "started", "late", "duplicate", "ahead", "invalid"]
 
@@ -30,20 +44,57 @@ class Verdict:
 
 def take_keypoints(belief: Belief, pixels: np.ndarray, cov: np.ndarray, scene: Scene) -> tuple[Belief, Verdict]:
     """A frame of keypoints (k, 2) with covariances (k, 2, 2); NaN where a point was not found."""
-    index = np.flatnonzero(np.isfinite(pixels[:, 0]) & np.isfinite(cov[:, 0, 0]))
+    index = _found(pixels, cov)
     if belief.x is None or belief.P is None:
         return belief, Verdict("not_started")
     if len(index) == 0:
         return belief, Verdict("no_points")
     config = scene.config
-    x, P, outcome, used, nis = keypoint_update(
+    belief = lasting_of_keypoints(belief, pixels, cov, scene)
+    x, P, outcome, used, nis, C = keypoint_update(
         belief.x, belief.P, pixels, cov, scene.points_m, index, scene.orbit(belief.t)[2], scene.lens,
-        config.noise.camera_share, _gate(config.gates.keypoint, 2), scene.frame_gates, config.gates.least_share,
+        scene.shares, _gate(config.gates.keypoint, 2), scene.frame_gates, config.gates.least_share,
     )  # fmt: skip
     if outcome != ACCEPTED:
         return _frame_refused(belief, scene), Verdict("gated", float(nis))
     count = int(used.sum())
+    belief = replace(belief, pose_errors=scene.lasting_pose_share * C)
     return _frame_accepted(belief, x, P, scene), Verdict("accepted", float(nis), 2 * count, len(index) - count)
+
+
+def lasting_of_keypoints(belief: Belief, pixels: np.ndarray, cov: np.ndarray, scene: Scene) -> Belief:
+    """`redrawn` in the size of these keypoints' pose, where no frame just before has told it."""
+    index = _found(pixels, cov)
+    if len(index) == 0 or (belief.pose_errors.any() and not _has_coasted(belief, scene)):
+        return belief
+    assert belief.x is not None
+    _, H = keypoint_model(belief.x, scene.points_m, index, scene.orbit(belief.t)[2], scene.lens)
+    return redrawn(belief, pose_covariance(H, cov[index], np.linalg.norm(belief.x[:3])), scene)
+
+
+def lasting_of_pose(belief: Belief, C: np.ndarray, scene: Scene) -> Belief:
+    """`redrawn` after a time without frames."""
+    return redrawn(belief, C, scene) if _has_coasted(belief, scene) else belief
+
+
+def redrawn(belief: Belief, C: np.ndarray, scene: Scene) -> Belief:
+    """What the lasting pose error forgot since the last frame comes anew in the size of this view, not of that one.
+
+    C (6, 6): claimed covariance of the pose in this view, dr in target axes.
+    """
+    assert belief.P is not None
+    errors, P = scene.lasting_pose_share * C, belief.P.copy()
+    keep = np.exp(-(belief.t - belief.camera_t) / scene.lasting_tau_s)
+    P[-6:, -6:] += (1.0 - keep**2) * (errors - belief.pose_errors) if belief.pose_errors.any() else errors
+    return replace(belief, P=P, pose_errors=errors)
+
+
+def _found(pixels: np.ndarray, cov: np.ndarray) -> np.ndarray:
+    return np.flatnonzero(np.isfinite(pixels[:, 0]) & np.isfinite(cov[:, 0, 0]))
+
+
+def _has_coasted(belief: Belief, scene: Scene) -> bool:
+    return belief.t - belief.camera_t > scene.config.loss.coast_after_s
 
 
 def take_pose(
@@ -52,15 +103,15 @@ def take_pose(
     """A pose of the pose solver with its covariance (dt, dr) in camera axes; part of it lasts from frame to frame."""
     if belief.x is None or belief.P is None:
         return belief, Verdict("not_started")
-    x, share = belief.x, scene.config.noise.camera_share
-    H, t_hat = pose_model(x, len(belief.P), scene.orbit(belief.t)[2])
-    root = np.linalg.cholesky(share * cov) if share > 0.0 else np.zeros((6, 6))
-    H[:, FIXED : FIXED + 6] = root
-    turn = quaternion.log(quaternion.multiply(q_cam_target, quaternion.conjugate(x[10:14])))
-    y = np.concatenate([t_m - t_hat, turn]) - root @ x[26:32]
-    e, P, nis = joseph(belief.P, H, (1.0 - share) * cov, y)
+    x, C = belief.x, in_target_axes(cov, q_cam_target)
+    belief = lasting_of_pose(belief, C, scene)
+    H, t_hat, q_hat = pose_model(x, scene.orbit(belief.t)[2])
+    y = np.concatenate([t_m - t_hat, log(multiply(conjugate(q_hat), q_cam_target))])
+    assert belief.P is not None
+    e, P, nis = joseph(belief.P, _POSE, H, scene.config.noise.poses.white_share * C, y)
     if not nis <= _gate(scene.config.gates.frame, 6):
         return _frame_refused(belief, scene), Verdict("gated", float(nis))
+    belief = replace(belief, pose_errors=scene.lasting_pose_share * C)
     return _frame_accepted(belief, corrected(x, e), reset(P, e), scene), Verdict("accepted", float(nis), 6)
 
 
@@ -69,10 +120,8 @@ def take_star_fix(belief: Belief, t: float, q: np.ndarray, sigma: np.ndarray, sc
     belief = replace(belief, fix=(t, q))
     if belief.x is None or belief.P is None:
         return belief, Verdict("not_started")
-    H = np.zeros((3, len(belief.P)))
-    H[:, 6:9] = np.eye(3)
-    y = quaternion.log(quaternion.multiply(quaternion.conjugate(belief.x[6:10]), q))
-    e, P, nis = joseph(belief.P, H, np.diag(sigma**2), y)
+    y = log(multiply(conjugate(belief.x[6:10]), q))
+    e, P, nis = joseph(belief.P, _STAR, np.eye(3), np.diag(sigma**2), y)
     if nis <= _gate(scene.config.gates.fix, 3):
         return replace(belief, x=corrected(belief.x, e), P=reset(P, e), star_streak=0), Verdict(
             "accepted", float(nis), 3
@@ -89,9 +138,11 @@ def take_gnss(
     """Baseline between the antennas and its rate, ECI axes. A row of refusals: the GNSS bias starts anew."""
     if belief.x is None or belief.P is None:
         return belief, Verdict("not_started")
-    H, h = gnss_model(belief.x, len(belief.P), scene, belief.t)
+    _, _, R_eci_ric, rate = scene.orbit(belief.t)
+    rate_cam = belief.rate_cam if scene.has_gyro else _NO_RATE
+    H, h = gnss_model(belief.x, R_eci_ric, rate, rate_cam, scene.own_antenna, scene.other_antenna)
     R = np.diag(np.repeat(np.square(sigmas), 3))
-    e, P, nis = joseph(belief.P, H, R, np.concatenate([position, velocity]) - h)
+    e, P, nis = joseph(belief.P, _GNSS, H, R, np.concatenate([position, velocity]) - h)
     if nis <= _gate(scene.config.gates.fix, 6):
         return replace(belief, x=corrected(belief.x, e), P=reset(P, e), gnss_streak=0), Verdict(
             "accepted", float(nis), 6
@@ -104,31 +155,20 @@ def take_gnss(
     return replace(belief, P=P, gnss_streak=0), Verdict("gated", float(nis))
 
 
-def pose_model(x: np.ndarray, n: int, R_eci_ric: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(H of (dt, dr) in camera axes, predicted t_cam_target)."""
-    R_cam_ric = quaternion.to_matrix(x[6:10]).T @ R_eci_ric
-    t_hat = -R_cam_ric @ x[:3]
-    H = np.zeros((6, n))
-    H[:3, :3], H[:3, 6:9], H[3:, 9:12] = -R_cam_ric, so3.skew(t_hat), quaternion.to_matrix(x[10:14])
-    return H, t_hat
+def pose_model(x: np.ndarray, R_eci_ric: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(H of (dt in camera, dr in target axes) on r, both attitudes, lasting pose error; predicted t and q)."""
+    R_cam_ric = to_matrix(x[6:10]).T @ R_eci_ric
+    t = -R_cam_ric @ x[:3]
+    H = np.zeros((6, 15))
+    H[:3, :3], H[:3, 3:6], H[3:, 6:9], H[:, 9:] = -R_cam_ric, skew(t), np.eye(3), np.eye(6)
+    return H, t + x[-6:-3], multiply(x[10:14], exp(x[-3:]))
 
 
-def gnss_model(x: np.ndarray, n: int, scene: Scene, t: float) -> tuple[np.ndarray, np.ndarray]:
-    """(H, prediction) of the baseline between the antennas and its rate in ECI axes.
-
-    The antennas' own turning about the centres of mass (mm/s) is left out.
-    """
-    _, _, R, rate = scene.orbit(t)
-    R_ec, R_ct = quaternion.to_matrix(x[6:10]), quaternion.to_matrix(x[10:14])
-    own, other = np.array(scene.config.chaser_antenna_cam_m), np.array(scene.config.target_antenna_target_m)
-    W = so3.skew(np.array([0.0, 0.0, rate]))
-    H = np.zeros((6, n))
-    H[:3, :3], H[:3, 21:24] = R, np.eye(3)
-    H[:3, 6:9] = -R_ec @ so3.skew(own - R_ct @ other)
-    H[:3, 9:12] = R_ec @ R_ct @ so3.skew(other)
-    H[3:, :3], H[3:, 3:6] = R @ W, R
-    h = np.concatenate([R @ x[:3] + R_ec @ (own - R_ct @ other) + x[23:26], R @ (x[3:6] + W @ x[:3])])
-    return H, h
+def in_target_axes(cov: np.ndarray, q_cam_target: np.ndarray) -> np.ndarray:
+    """Covariance of (dt, dr) in camera axes, with dr in target axes instead."""
+    A = np.eye(6)
+    A[3:, 3:] = to_matrix(q_cam_target).T
+    return A @ cov @ A.T
 
 
 def decoupled(P: np.ndarray, index: range, sigma: float) -> np.ndarray:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.datasets.files import write_atomic, write_json
+from proxnav.datasets.files import refused_csv, write_atomic, write_json
 from proxnav.datasets.records import (
     AccelerometerData,
     EphemerisData,
@@ -207,7 +207,7 @@ def read_columns(path: Path, columns: Sequence[str]) -> np.ndarray:
 
 def _read_table(path: Path, columns: Sequence[str]) -> tuple[np.ndarray, int]:
     """Values in the order of `columns`, whatever the order in the file, and how many rows were no numbers."""
-    with path.open(newline="", encoding="utf-8-sig") as file:
+    with path.open(newline="", encoding="utf-8-sig", errors="replace") as file, refused_csv(path):
         reader = csv.reader(file)
         header = [name.strip() for name in next(reader, [])]
         missing = [name for name in columns if name not in header]

@@ -62,7 +62,7 @@ def sense(
     truth: Truth, target: Target, camera: Camera, config: SensingConfig, rng: np.random.Generator
 ) -> SensorRecords:
     """Readings of all sensors; each draws from a stream of its own, so that leaving one out changes no other."""
-    streams = rng.spawn(6)
+    streams = rng.spawn(7)
     keypoints = read_keypoints(truth, target, camera, config.detector, streams[0])
     gnss = config.gnss_model or _GRADES.get(config.gnss)
     return SensorRecords(
@@ -73,5 +73,5 @@ def sense(
         gnss=read_gnss(truth, gnss, streams[4]) if gnss else None,
         star_tracker=read_star_tracker(truth, config.star_tracker, streams[5]),
         keypoints=keypoints,
-        poses=read_poses(truth, keypoints, target, camera),
+        poses=read_poses(truth, keypoints, target, camera, config.detector, streams[6]),
     )

@@ -15,7 +15,8 @@ from proxnav.navigation.belief import Belief, Scene, nav_state
 from proxnav.navigation.events import Event, apply, events
 from proxnav.navigation.kernels.prediction import corrected, relative_error
 from proxnav.navigation.layout import CORE
-from proxnav.navigation.propagate import Step
+from proxnav.navigation.observe import in_target_axes, lasting_of_keypoints, lasting_of_pose
+from proxnav.navigation.propagate import Step, propagate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,9 +66,15 @@ def _forward(stream: Sequence[Event], scene: Scene) -> tuple[list[_Node], Belief
 
 
 def _predicted(belief: Belief, event: Event, scene: Scene) -> Belief:
-    from proxnav.navigation.propagate import propagate
-
-    return propagate(belief, event.t, scene)
+    """The belief as it meets the measurement."""
+    moved = propagate(belief, event.t, scene)
+    if event.kind == "poses" and scene.config.coupling == "loose":
+        q, _, cov = event.values
+        return lasting_of_pose(moved, in_target_axes(cov, q), scene)
+    if event.kind == "keypoints":
+        pixels, cov = event.values
+        return lasting_of_keypoints(moved, pixels, cov, scene)
+    return moved
 
 
 def _combined(steps: Sequence[Step]) -> tuple[np.ndarray, np.ndarray]:

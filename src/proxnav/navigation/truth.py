@@ -1,6 +1,7 @@
 """The truth of a simulated flight: both craft under real forces, the chaser steered along a reference path."""
 
 from dataclasses import dataclass, field, fields, replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -25,7 +26,9 @@ class TumbleConfig:
     rate_deg_s: tuple[float, float, float] = (0.5, 1.0, 0.3)
     """Inertial rate at the start, target axes."""
     inertia: tuple[float, float, float] = (1.0, 3.0, 3.2)
-    """Principal moments along the target axes, up to a common factor."""
+    """Principal moments along the target axes, up to a common factor, as they are thought to be."""
+    inertia_sigma: float = 0.05
+    """Relative spread of the real ones from run to run."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,8 @@ class TruthConfig:
     """Of the target about its LVLH-fixed attitude."""
     pointing_wobble: WobbleConfig = field(default_factory=lambda: WobbleConfig(0.1, 60.0))
     """Of the camera about the line to the target."""
+    camera_up: Literal["cross_track", "zenith"] = "cross_track"
+    """What is up in the picture. The path never lies along the orbit's normal, so the roll stays smooth."""
     tumble: TumbleConfig | None = None
     """None: LVLH-fixed."""
 
@@ -169,15 +174,16 @@ def _target_attitude(t: np.ndarray, target: tuple, config: TruthConfig, rng: np.
     lvlh = quaternion.from_matrix(R_eci_lvlh(*target))
     if config.tumble is not None:
         rate = np.deg2rad(np.array(config.tumble.rate_deg_s))
-        return continuous(tumble(lvlh[0], rate, config.tumble.inertia, t))
+        a, b, c = np.array(config.tumble.inertia) * (1.0 + config.tumble.inertia_sigma * rng.normal(size=3))
+        return continuous(tumble(lvlh[0], rate, (a, b, c), t))
     errors = wobble(config.target_wobble, config.step_s, len(t), rng)
     return continuous(quaternion.multiply(lvlh, quaternion.exp(errors)))
 
 
 def _camera_attitude(r_cam: np.ndarray, target: tuple, config: TruthConfig, rng: np.random.Generator) -> np.ndarray:
-    """At the target, the orbit's normal up in the picture: the path never lies along it, so the roll stays smooth."""
-    normal = -R_eci_lvlh(*target)[..., 1]
-    look = q_a_cam_looking(target[0] - r_cam, normal, target[1])
+    """At the target."""
+    axis = {"cross_track": 1, "zenith": 2}[config.camera_up]  # of LVLH, both down
+    look = q_a_cam_looking(target[0] - r_cam, -R_eci_lvlh(*target)[..., axis], target[1])
     errors = wobble(config.pointing_wobble, config.step_s, len(r_cam), rng)
     return continuous(quaternion.multiply(continuous(look), quaternion.exp(errors)))
 

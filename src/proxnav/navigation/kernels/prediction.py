@@ -8,33 +8,70 @@ from numba import njit
 
 from proxnav.navigation.kernels.rotations import conjugate, exp, multiply, skew, to_matrix
 
-# Places in the parameter vector that FilterNoise.vector() makes.
+# Places in the parameter vector that NavigationConfig.noise_vector() makes.
 (
-    ACCELERATION_PSD, SLOW_SIGMA, SLOW_TAU, GYRO_PSD, BIAS_PSD, RATE_PSD, GNSS_SIGMA, GNSS_TAU, CAMERA_TAU, ANGLE_VAR,
-) = range(10)  # fmt: skip
+    ACCELERATION_PSD, SLOW_X, SLOW_Y, SLOW_Z, SLOW_TAU, GYRO_PSD, BIAS_PSD, RATE_PSD, GNSS_SIGMA, GNSS_TAU, CAMERA_TAU,
+    ANGLE_VAR,
+) = range(12)  # fmt: skip
 
 
 @njit(cache=True)
 @no_type_check
-def advance(x, P, Phi, dt, rate_cam, inertia, noise):
+def advance(x, P, Phi, dt, rate_cam, inertia, held, pose_errors, noise):
     """(x, P, F, d) after dt seconds: F of the core errors, d the decay of the others.
 
-    rate_cam: measured inertial rate of the camera; inertia: principal moments of the target, zeros where its rate only
-    wanders.
+    rate_cam: measured inertial rate of the camera; inertia: principal moments of a free target, zeros where its rate
+    only wanders; held (5, 3): how a controlled target is held, see `held_motion`, zeros for a free one; pose_errors
+    (6, 6): long-time covariance of the lasting pose error.
     """
     n = len(P)
     w_c = rate_cam - x[17:20]
     w_t = x[14:17].copy()
     E_c, E_t = to_matrix(exp(-dt * w_c)), to_matrix(exp(-dt * w_t))
     M = E_t @ to_matrix(x[10:14]).T  # turn of the camera as an error of the relative attitude
-    F = transition(Phi, dt, E_c, E_t, M, w_t, inertia, noise)
+    F = transition(x, Phi, dt, E_c, E_t, M, w_t, inertia, held, noise)
     d = decays(n, dt, noise)
-    return move(x, Phi, dt, w_c, w_t, inertia, noise), spread(P, F, d, process_noise(dt, M, noise), noise), F, d
+    out = spread(P, F, d, process_noise(dt, M, noise), noise)
+    out[-6:, -6:] += (1.0 - d[-1] ** 2) * pose_errors
+    return move(x, Phi, dt, w_c, w_t, inertia, held, noise), out, F, d
 
 
 @njit(cache=True)
 @no_type_check
-def transition(Phi, dt, E_c, E_t, M, w_t, inertia, noise):
+def held_motion(x, held):
+    """(error of a held target's attitude, wanted rate in target axes).
+
+    held: rows 0-2 R_eci_held of the attitude that control holds, row 3 its inertial rate in its own axes, row 4 natural
+    frequency [rad/s] and damping of the control loop.
+    """
+    R = np.ascontiguousarray(held[:3]).T @ to_matrix(multiply(x[6:10], x[10:14]))
+    return _log_matrix(R), R.T @ np.ascontiguousarray(held[3])
+
+
+@njit(cache=True)
+@no_type_check
+def _log_matrix(R):
+    """Rotation vector of a matrix, for turns below half a turn."""
+    v = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sine = math.sqrt(v @ v)
+    if sine < 1e-12:
+        return v
+    return v * (math.atan2(sine, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)) / sine)
+
+
+@njit(cache=True)
+@no_type_check
+def held_acceleration(x, held):
+    """Angular acceleration of a held target: w0^2 and 2 zeta w0 pull attitude and rate back to what is wanted."""
+    error, wanted = held_motion(x, held)
+    w0, zeta = held[4, 0], held[4, 1]
+    excess = x[14:17] - wanted
+    return -w0 * w0 * error - 2.0 * zeta * w0 * excess + np.cross(wanted, excess)
+
+
+@njit(cache=True)
+@no_type_check
+def transition(x, Phi, dt, E_c, E_t, M, w_t, inertia, held, noise):
     """d(core errors after)/d(core errors before)."""
     F = np.zeros((21, 21))
     F[:6, :6] = Phi
@@ -44,7 +81,17 @@ def transition(Phi, dt, E_c, E_t, M, w_t, inertia, noise):
         F[9 + i, 12 + i], F[12 + i, 12 + i], F[15 + i, 15 + i] = dt, 1.0, 1.0
         F[18 + i, 18 + i] = math.exp(-dt / noise[SLOW_TAU])
     F[6:9, 6:9], F[9:12, 9:12], F[9:12, 15:18] = E_c, E_t, dt * M
-    if inertia[0] > 0.0:
+    if held[4, 0] > 0.0:
+        w0, damping = held[4, 0], 2.0 * held[4, 1] * held[4, 0]
+        turn = skew(held_motion(x, held)[1])
+        A, B = damping * turn - w0 * w0 * np.eye(3), turn - damping * np.eye(3)
+        A_cam = A @ to_matrix(x[10:14]).T
+        F[9:12, 9:12] += 0.5 * dt * dt * A
+        F[9:12, 6:9] += 0.5 * dt * dt * A_cam
+        F[9:12, 12:15] += 0.5 * dt * dt * B
+        F[12:15, 12:15] += dt * B - 0.5 * (dt * w0) ** 2 * np.eye(3)
+        F[12:15, 9:12], F[12:15, 6:9] = dt * A, dt * A_cam
+    elif inertia[0] > 0.0:
         J = np.diag(inertia)
         F[12:15, 12:15] += dt * np.diag(1.0 / inertia) @ (skew(inertia * w_t) - skew(w_t) @ J)
     return F
@@ -62,15 +109,22 @@ def decays(n, dt, noise):
 
 @njit(cache=True)
 @no_type_check
-def move(x, Phi, dt, w_c, w_t, inertia, noise):
-    """The nominal state after dt."""
-    y = x.copy()
+def move(x, Phi, dt, w_c, w_t, inertia, held, noise):
+    """The nominal state after dt.
+
+    A held target's step is of second order: with one of the first the covariance would wander 4.5 % too far.
+    """
+    y, w_mean = x.copy(), w_t
+    if held[4, 0] > 0.0:
+        pull = held_acceleration(x, held)
+        w_mean = w_t + 0.5 * dt * pull
+        y[14:17] += dt * pull - 0.5 * (dt * held[4, 0]) ** 2 * (w_t - held_motion(x, held)[1])
     y[:6] = Phi @ x[:6]
     y[:3] += 0.5 * dt * dt * x[20:23]
     y[3:6] += dt * x[20:23]
     y[6:10] = multiply(x[6:10], exp(dt * w_c))
-    y[10:14] = multiply(exp(-dt * w_c), multiply(x[10:14], exp(dt * w_t)))
-    if inertia[0] > 0.0:
+    y[10:14] = multiply(exp(-dt * w_c), multiply(x[10:14], exp(dt * w_mean)))
+    if held[4, 0] == 0.0 and inertia[0] > 0.0:
         y[14:17] += dt * np.cross(inertia * w_t, w_t) / inertia
     y[20:23] *= math.exp(-dt / noise[SLOW_TAU])
     y[23:26] *= math.exp(-dt / noise[GNSS_TAU])
@@ -94,7 +148,7 @@ def process_noise(dt, M, noise):
         Q[9 + i, 12 + i] = Q[12 + i, 9 + i] = 0.5 * w * dt * dt
         Q[12 + i, 12 + i], Q[15 + i, 15 + i] = w * dt, u * dt
         Q[6 + i, 15 + i] = Q[15 + i, 6 + i] = -0.5 * u * dt * dt
-        Q[18 + i, 18 + i] = noise[SLOW_SIGMA] ** 2 * (1.0 - keep * keep)
+        Q[18 + i, 18 + i] = noise[SLOW_X + i] ** 2 * (1.0 - keep * keep)
     Q[9:12, 6:9] = -turn * M
     Q[6:9, 9:12] = -turn * M.T
     Q[9:12, 15:18] = 0.5 * u * dt * dt * M
@@ -116,7 +170,7 @@ def spread(P, F, d, Q, noise):
     for i in range(21, n):
         for j in range(21, n):
             out[i, j] = d[i - 21] * d[j - 21] * P[i, j]
-        unit = noise[GNSS_SIGMA] if i < 24 else 1.0
+        unit = noise[GNSS_SIGMA] if i < 24 else 1.0 if i < n - 6 else 0.0
         out[i, i] += unit * unit * (1.0 - d[i - 21] ** 2)
     return out
 

@@ -1,96 +1,140 @@
-"""What the detector and the pose solver say of each frame: keypoints with errors that last, and poses from them."""
+"""What the estimator says of each frame: keypoints and a finer pose, each with errors of its own that last."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
 
 from proxnav.datasets.records import KeypointData, PoseData
+from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion, so3
+from proxnav.navigation.config import CameraErrors, PoseErrors
 from proxnav.navigation.sensors.fixes import every
 from proxnav.navigation.sensors.gauss_markov import gauss_markov
 from proxnav.navigation.truth import Truth
 from proxnav.targets.target import Target
 from proxnav.targets.visibility import visible_keypoints
 
-_LEAST_VARIANCE = 1e-4  # px^2; a perfect detector claims a hundredth of a pixel
-
 
 @dataclass(frozen=True)
 class DetectorConfig:
-    """Error statistics of the keypoint detector."""
+    """Error statistics of the shipped estimator, as `proxnav benchmark detector` measures them."""
 
     rate_hz: float = 1.0
-    white_px: float = 1.0
-    """New in every frame, per axis and keypoint."""
-    correlated_px: float = 1.0
-    """The same view gives the same error: first-order Gauss-Markov, per axis and keypoint."""
-    tau_s: float = 60.0
-    """Its correlation time."""
+    sigma_px: float = 2.9
+    """Claimed per axis and keypoint, with..."""
+    sigma_m: float = 0.13
+    """... this much on the target in view."""
+    errors: CameraErrors = field(default_factory=CameraErrors)
+    """What of the claimed covariance is really there, and how long it lasts."""
+    pose_sigma_px: float = 0.68
+    """The pose claims as much as keypoints with this deviation would leave, ..."""
+    pose_sigma_m: float = 0.025
+    """... and this much on the target."""
+    pose_errors: PoseErrors = field(default_factory=PoseErrors)
     latency_s: tuple[float, float] = (0.3, 0.6)
-    occlusion: bool = True
-    """Keypoints behind the target's own body are not reported."""
+    occlusion: bool = False
+    """Keypoints behind the target's own body are not reported; the shipped detector reports them, as good as others."""
     least_points: int = 4
-    """Frames with fewer visible keypoints are not reported."""
+    """Frames with fewer keypoints in the image are not reported."""
+
+    def __post_init__(self) -> None:
+        for px, m in ((self.sigma_px, self.sigma_m), (self.pose_sigma_px, self.pose_sigma_m)):
+            if min(px, m) < 0.0 or not px + m > 0.0:
+                raise InputError("detector: the sigmas in px and m must not be negative, and one of each two positive")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Views:
+    """The target as n frames see it."""
+
+    t_m: np.ndarray
+    q: np.ndarray
+    pixels: np.ndarray
+    """(n, k, 2), NaN outside the image."""
+    J: np.ndarray
+    """(n, k, 2, 6) pixels by (dt in camera axes, dr in target axes)."""
 
 
 def read_keypoints(
     truth: Truth, target: Target, camera: Camera, config: DetectorConfig, rng: np.random.Generator
 ) -> KeypointData:
-    """Keypoints at the camera's rate; each comes with the covariance of both errors together."""
+    """Keypoints at the camera's rate, each with the covariance that the detector claims."""
     k = every(truth, config.rate_hz)
     dt = truth.step_s * float(k[1] - k[0]) if len(k) > 1 else 1.0
-    shape = (len(k), len(target.keypoints_m), 2)
-    pixels = np.stack([_seen(truth, int(i), target, camera, config.occlusion) for i in k])
-    pixels = pixels + gauss_markov(config.correlated_px, config.tau_s, dt, shape, rng)
-    pixels = pixels + config.white_px * rng.normal(size=shape)
-    received = truth.t[k] + rng.uniform(*config.latency_s, size=len(k))
-    variance = max(config.white_px**2 + config.correlated_px**2, _LEAST_VARIANCE)
-    cov = np.tile(variance * np.eye(2), (*shape[:2], 1, 1))
-    cov[np.isnan(pixels[..., 0])] = np.nan
-    keep = np.isfinite(pixels[..., 0]).sum(axis=1) >= config.least_points
+    views, errors, n = _views(truth.q_cam_target[k], truth.t_cam_target_m[k], target, camera), config.errors, len(k)
+    sigma = np.hypot(config.sigma_px, config.sigma_m * camera.fx / np.linalg.norm(views.t_m, axis=1))
+    seen = np.isfinite(views.pixels[..., 0])
+    if config.occlusion:
+        seen &= np.array([_unhidden(target, q, t) for q, t in zip(views.q, views.t_m, strict=True)])
+    displaced = _lasting(truth.t[k], np.sqrt(errors.pose_share) * _pose_roots(views, sigma), errors.tau_s, rng)
+    q = quaternion.multiply(views.q, quaternion.exp(displaced[:, 3:]))
+    apparent = _views(q, views.t_m + displaced[:, :3], target, camera, cut=False)
+    own = gauss_markov(np.sqrt(errors.point_share), errors.tau_s, dt, views.pixels.shape, rng)
+    own = own + np.sqrt(errors.white_share) * rng.normal(size=views.pixels.shape)
+    pixels = np.where(seen[..., None], apparent.pixels + sigma[:, None, None] * own, np.nan)
+    received = truth.t[k] + rng.uniform(*config.latency_s, size=n)
+    cov = np.where(seen[..., None, None], np.square(sigma)[:, None, None, None] * np.eye(2), np.nan)
+    keep = seen.sum(axis=1) >= config.least_points
     order = np.argsort(received[keep])
     return KeypointData(*(column[keep][order] for column in (truth.t[k], received, pixels, cov)))
 
 
-def read_poses(truth: Truth, keypoints: KeypointData, target: Target, camera: Camera) -> PoseData:
-    """The weighted least-squares pose of each frame's keypoints, linearised at the truth: no outliers, no ambiguity."""
-    q, p = truth.q_cam_target, truth.t_cam_target_m
-    rows = [round((float(t) - float(truth.t[0])) / truth.step_s) for t in keypoints.t]
-    found = [
-        _least_squares(Pose.from_wxyz("cam", "target", q[i], p[i]), keypoints, j, target.keypoints_m, camera)
-        for j, i in enumerate(rows)
-    ]
-    n = len(found)
-    return PoseData(
-        keypoints.t,
-        keypoints.received,
-        np.array([pose.q_wxyz for pose, _ in found]).reshape(n, 4),
-        np.array([pose.t_m for pose, _ in found]).reshape(n, 3),
-        np.array([C for _, C in found]).reshape(n, 6, 6),
-    )
+def read_poses(
+    truth: Truth,
+    keypoints: KeypointData,
+    target: Target,
+    camera: Camera,
+    config: DetectorConfig,
+    rng: np.random.Generator,
+) -> PoseData:
+    """The pose of each frame of keypoints, with a lasting and a new part of the covariance that it claims."""
+    order = np.argsort(keypoints.t)
+    t, errors = keypoints.t[order], config.pose_errors
+    k = np.round((t - truth.t[0]) / truth.step_s).astype(int)
+    views = _views(truth.q_cam_target[k], truth.t_cam_target_m[k], target, camera)
+    distance = np.linalg.norm(views.t_m, axis=1)
+    roots = _pose_roots(views, np.hypot(config.pose_sigma_px, config.pose_sigma_m * camera.fx / distance))
+    off = _lasting(t, np.sqrt(errors.lasting_share) * roots, errors.tau_s, rng)
+    off = off + np.sqrt(errors.white_share) * np.einsum("nij,nj->ni", roots, rng.normal(size=off.shape))
+    q = quaternion.normalize(quaternion.multiply(views.q, quaternion.exp(off[:, 3:])))
+    A = np.tile(np.eye(6), (len(t), 1, 1))
+    A[:, 3:, 3:] = quaternion.to_matrix(q)
+    C = A @ roots @ np.swapaxes(A @ roots, -1, -2)
+    back = np.argsort(order)
+    return PoseData(keypoints.t, keypoints.received, q[back], (views.t_m + off[:, :3])[back], C[back])
 
 
-def _seen(truth: Truth, i: int, target: Target, camera: Camera, occlusion: bool) -> Float[np.ndarray, "k 2"]:
-    T = Pose.from_wxyz("cam", "target", truth.q_cam_target[i], truth.t_cam_target_m[i])
-    pixels = camera.project(T @ target.keypoints_m)
-    pixels[~camera.contains(pixels)] = np.nan
-    if occlusion:
-        pixels[~visible_keypoints(target, T)] = np.nan
-    return pixels
+def _views(q: np.ndarray, t_m: np.ndarray, target: Target, camera: Camera, cut: bool = True) -> _Views:
+    turned = quaternion.rotate(q[:, None], target.keypoints_m[None])
+    points = turned + t_m[:, None]
+    pixels = camera.project(points)
+    if cut:
+        pixels[~camera.contains(pixels)] = np.nan
+    J_pi = camera.projection_jacobian(points)
+    J_turn = -J_pi @ (quaternion.to_matrix(q)[:, None] @ so3.skew(target.keypoints_m))
+    J = np.concatenate([J_pi, J_turn], axis=-1)
+    return _Views(t_m, q, pixels, np.where(np.isnan(pixels)[..., None], 0.0, J))
 
 
-def _least_squares(
-    T: Pose, data: KeypointData, j: int, points_m: Float[np.ndarray, "k 3"], camera: Camera
-) -> tuple[Pose, Float[np.ndarray, "6 6"]]:
-    use = np.isfinite(data.pixels[j, :, 0])
-    turned = points_m[use] @ T.R.T
-    J_pi = camera.projection_jacobian(turned + T.t_m)
-    J = np.concatenate([J_pi, -J_pi @ so3.skew(turned)], axis=-1)
-    W = np.linalg.inv(data.covariances_px2[j, use])
-    H = np.einsum("nia,nij,njb->ab", J, W, J)
-    e = data.pixels[j, use] - camera.project(turned + T.t_m)
-    C = np.linalg.inv(H)
-    step = C @ np.einsum("nia,nij,nj->a", J, W, e)
-    q = quaternion.multiply(quaternion.exp(step[3:]), T.q_wxyz)
-    return Pose.from_wxyz("cam", "target", quaternion.normalize(q), T.t_m + step[:3]), 0.5 * (C + C.T)
+def _unhidden(target: Target, q: np.ndarray, t_m: np.ndarray) -> np.ndarray:
+    return visible_keypoints(target, Pose.from_wxyz("cam", "target", q, t_m))
+
+
+def _lasting(
+    t: Float[np.ndarray, "n"], roots: Float[np.ndarray, "n 6 6"], tau_s: float, rng: np.random.Generator
+) -> Float[np.ndarray, "n 6"]:
+    """By how much the whole target is seen displaced: Gauss-Markov, driven by what such views allow."""
+    out = np.einsum("nij,nj->ni", roots, rng.normal(size=(len(t), 6)))
+    keep = np.exp(-np.diff(t) / tau_s)
+    for i in range(1, len(out)):
+        out[i] = keep[i - 1] * out[i - 1] + np.sqrt(1.0 - keep[i - 1] ** 2) * out[i]
+    return out
+
+
+def _pose_roots(views: _Views, sigma: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 6 6"]:
+    """Lower roots of the covariances of least-squares poses; frames of too few points get a wide one."""
+    H = np.einsum("nkai,nkaj->nij", views.J, views.J) / np.square(sigma)[:, None, None]
+    distance = np.linalg.norm(views.t_m, axis=1)[:, None]
+    wide = np.concatenate([np.repeat(1.0 / (0.3 * distance) ** 2, 3, axis=1), np.full((len(H), 3), 4.0)], axis=1)
+    return np.linalg.cholesky(np.linalg.inv(H + wide[:, :, None] * np.eye(6)))

@@ -16,7 +16,7 @@ _ARCSEC = np.pi / 648000.0
 
 @dataclass(frozen=True)
 class GnssConfig:
-    """Relative GNSS, as from a receiver on each craft and a link between them."""
+    """Relative GNSS: a receiver on each craft and a link between them."""
 
     rate_hz: float = 1.0
     sigma_position_m: float = 0.5
@@ -74,9 +74,10 @@ def read_gnss(truth: Truth, config: GnssConfig, rng: np.random.Generator) -> Gns
     baseline = truth.r_eci_chaser_m[k] - truth.r_eci_target_m[k]
     bias = gauss_markov(config.bias_sigma_m, config.bias_tau_s, dt, (n, 3), rng)
     position = baseline + arm + bias + config.sigma_position_m * rng.normal(size=(n, 3))
-    velocity = (truth.v_eci_chaser_mps - truth.v_eci_target_mps)[k] + config.sigma_velocity_mps * rng.normal(
-        size=(n, 3)
-    )
+    turning = _turning(truth.q_eci_cam[k], truth.rate_cam[k], config.chaser_antenna_cam_m)
+    turning = turning - _turning(truth.q_eci_target[k], truth.rate_target[k], config.target_antenna_target_m)
+    velocity = (truth.v_eci_chaser_mps - truth.v_eci_target_mps)[k] + turning
+    velocity = velocity + config.sigma_velocity_mps * rng.normal(size=(n, 3))
     keep = ~_outages(np.linalg.norm(baseline, axis=1), dt, config, rng)
     received = truth.t[k] + rng.uniform(*config.latency_s, size=n)
     order = np.argsort(received[keep])
@@ -90,6 +91,11 @@ def read_gnss(truth: Truth, config: GnssConfig, rng: np.random.Generator) -> Gns
         config.sigma_velocity_mps * full,
     )
     return GnssData(*(column[keep][order] for column in columns))
+
+
+def _turning(q: np.ndarray, rate: np.ndarray, arm: Triple) -> np.ndarray:
+    """Velocity of an antenna about its craft's centre of mass, ECI axes [m/s]."""
+    return quaternion.rotate(q, np.cross(rate, np.array(arm)))
 
 
 def read_star_tracker(truth: Truth, config: StarTrackerConfig, rng: np.random.Generator) -> StarTrackerData:

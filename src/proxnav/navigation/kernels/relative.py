@@ -1,0 +1,66 @@
+"""Relative motion along any orbit under Earth's gravity with J2, to first order in the distance."""
+
+import math
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_J2, MU_EARTH
+from proxnav.navigation.kernels.orbit import orbit_at
+
+
+@njit(cache=True)
+@no_type_check
+def gravity_gradient(r):
+    """d(acceleration)/d(position) in ECI [1/s^2], two-body and J2 (Montenbruck and Gill, eq. 3.32, differentiated)."""
+    d2 = r @ r
+    d = math.sqrt(d2)
+    G = (3.0 * np.outer(r, r) / d2 - np.eye(3)) * (MU_EARTH / (d2 * d))
+    k = 1.5 * EARTH_J2 * MU_EARTH * EARTH_EQUATORIAL_RADIUS**2 / (d2 * d2 * d)
+    z2 = r[2] * r[2] / d2
+    G += k * (5.0 * np.outer(r, r) / d2 * (1.0 - 7.0 * z2) + (5.0 * z2 - 1.0) * np.eye(3))
+    for i in range(3):
+        G[i, 2] += 10.0 * k * r[i] * r[2] / d2
+        G[2, i] += 10.0 * k * r[i] * r[2] / d2
+    G[2, 2] -= 2.0 * k
+    return G
+
+
+@njit(cache=True)
+@no_type_check
+def gradient_transition(times, r, v, t, dt):
+    """Phi of (rho, rho_dot) in RIC over dt, a few seconds at most: exact in the frame's turning, gradient at mid-step.
+
+    In ECI axes the relative state obeys rho'' = G rho; T turns it from RIC, where velocities are those of the rotating
+    frame: Phi = T(t + dt)^-1 exp([[0, I], [G, 0]] dt) T(t).
+    """
+    _, _, R0, n0 = orbit_at(times, r, v, t)
+    middle, _, _, _ = orbit_at(times, r, v, t + 0.5 * dt)
+    _, _, R1, n1 = orbit_at(times, r, v, t + dt)
+    G, one = gravity_gradient(middle), np.eye(3)
+    E = np.empty((6, 6))
+    E[:3, :3] = one + 0.5 * dt * dt * G
+    E[3:, 3:] = E[:3, :3]
+    E[:3, 3:], E[3:, :3] = dt * one + dt**3 / 6.0 * G, dt * G + dt**3 / 6.0 * (G @ G)
+    return _from_inertial(R1, n1) @ E @ _to_inertial(R0, n0)
+
+
+@njit(cache=True)
+@no_type_check
+def _to_inertial(R, n):
+    W = np.zeros((3, 3))
+    W[0, 1], W[1, 0] = -n, n
+    T = np.zeros((6, 6))
+    T[:3, :3], T[3:, 3:], T[3:, :3] = R, R, R @ W
+    return T
+
+
+@njit(cache=True)
+@no_type_check
+def _from_inertial(R, n):
+    W = np.zeros((3, 3))
+    W[0, 1], W[1, 0] = -n, n
+    T = np.zeros((6, 6))
+    T[:3, :3], T[3:, 3:], T[3:, :3] = R.T, R.T, -W @ R.T
+    return T
