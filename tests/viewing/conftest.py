@@ -1,4 +1,4 @@
-"""Run folders with known errors, as the pipeline writes them."""
+"""Run folders with known errors, as the pipeline writes them; runs that can be played."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,15 +6,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from proxnav.cli import main
 from proxnav.datasets.dataset import encode_png
 from proxnav.datasets.files import write_atomic, write_json
-from proxnav.datasets.speed import PoseRecord, write_poses
+from proxnav.datasets.run_frames import FrameNote, RunFrames, write_run_frames
+from proxnav.datasets.speed import PoseRecord, read_poses, write_poses
 from proxnav.evaluation.consistency import consistency
 from proxnav.evaluation.metrics import metrics
 from proxnav.evaluation.pairing import pair
 from proxnav.evaluation.summary import summarise_frames
-from proxnav.geometry import Pose, quaternion
+from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.targets.loading import load_target
 
+CAMERA = Camera(96, 80, 130.0, 131.0, 47.0, 41.0)
+TARGET = load_target("space-rider")
 SIGMA = np.array([0.02, 0.02, 0.2, 0.01, 0.01, 0.01])  # m, rad
 
 
@@ -51,3 +56,43 @@ def _estimate(k: int, truth: PoseRecord, rng: np.random.Generator) -> PoseRecord
     turn = quaternion.exp(np.array([0.0, 0.0, 3.0]) if k == 2 else error[3:])
     T_est = Pose.from_wxyz("cam", "target", quaternion.multiply(turn, T.q_wxyz), T.t_m + error[:3])
     return PoseRecord(truth.filename, T_est, "ok", np.diag(SIGMA**2))
+
+
+@pytest.fixture
+def playable(make_run: Callable[..., Path], rng: np.random.Generator) -> Path:
+    """Five frames, 2 s apart: frame 1 has no pose; each keypoint was found 1 px right of the truth, the first never."""
+    return _playable(make_run(5), rng)
+
+
+@pytest.fixture
+def playable_long(make_run: Callable[..., Path], rng: np.random.Generator) -> Path:
+    """The same with 25 frames, enough for running medians."""
+    return _playable(make_run(25), rng)
+
+
+def _playable(folder: Path, rng: np.random.Generator) -> Path:
+    """Adds frames.json and a folder of images to a run."""
+    notes = []
+    for k, (name, record) in enumerate(read_poses(folder / "truth.json").items()):
+        assert record.T_cam_target is not None
+        true = CAMERA.project(record.T_cam_target @ TARGET.keypoints_m)
+        found = true + np.array([1.0, 0.0])
+        found[0] = np.nan
+        covariances = np.tile(np.diag([4.0, 1.0]), (len(true), 1, 1))
+        scores = np.where(np.isfinite(found[:, 0]), 0.9, 0.0)
+        notes.append(FrameNote(name, 2.0 * k, 0.5, 0.1, 0.02, found, scores, covariances))
+        image = rng.integers(0, 256, (CAMERA.height, CAMERA.width), dtype=np.uint8)
+        write_atomic(folder / "set" / "images" / name, encode_png(image))
+    write_json(folder / "set" / "annotations.json", {})
+    run = RunFrames(tuple(notes), CAMERA, TARGET.keypoints_m, "space-rider", "2024-11-01T00:30:00Z", folder / "set")
+    write_run_frames(folder, run)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """12 s of the approach through the filter."""
+    folder = tmp_path_factory.mktemp("flight")
+    assert main(["simulate", "--out", str(folder), "--preset", "approach-100-10m", "--duration-s", "12"]) == 0
+    assert main(["navigate", str(folder)]) == 0
+    return folder

@@ -46,11 +46,11 @@ def test_each_frame_has_a_row_with_its_numbers(make_run) -> None:
     rows = _rows(report_html(folder, "run"), "frames")
     assert [row[0] for row in rows] == [f"{k:06d}.png" for k in range(30)]
     assert rows[1][1] == "no_consensus"
-    assert rows[1][3:] == ["–"] * 7
+    assert rows[1][4:] == ["–"] * 7
     errors = read_run(folder).frames[5].errors
     assert errors is not None
-    assert float(rows[5][6]) == pytest.approx(errors.e_t_norm_m, rel=1e-3)
-    assert float(rows[5][7]) == pytest.approx(np.degrees(errors.e_r_rad), rel=1e-3)
+    assert float(rows[5][7]) == pytest.approx(errors.e_t_norm_m, rel=1e-3)
+    assert float(rows[5][8]) == pytest.approx(np.degrees(errors.e_r_rad), rel=1e-3)
 
 
 def test_markup_in_names_titles_and_settings_stays_text(make_run) -> None:

@@ -55,12 +55,12 @@ def test_a_foreign_script_is_refused_by_the_policy(make_run, tmp_path: Path) -> 
 
 def test_a_heading_sorts_up_then_down_and_frames_without_a_pose_stay_last(make_run, tmp_path: Path) -> None:
     page = report_html(make_run(12), "run")
-    click = "document.querySelectorAll('#frame-table thead button')[7].click();"
+    click = "document.querySelectorAll('#frame-table thead button')[8].click();"
     for act, order in ((click, 1), (click * 2, -1)):
         dom = _dom(page, tmp_path, act)
         rows = _shown(dom)
         assert rows[-1][1] == "no_consensus"
-        turns = [float(row[7]) for row in rows[:-1]]
+        turns = [float(row[8]) for row in rows[:-1]]
         assert turns == sorted(turns, reverse=order < 0)
         assert f'aria-sort="{"ascending" if order > 0 else "descending"}"' in dom
 

@@ -9,7 +9,8 @@ from proxnav.datasets.files import write_json
 from proxnav.datasets.speed import read_poses
 from proxnav.errors import InputError
 from proxnav.evaluation.consistency import nees
-from proxnav.evaluation.pairing import difference, pair
+from proxnav.evaluation.pairing import pair
+from proxnav.geometry.perturbation import difference
 from proxnav.viewing.run_folder import from_best_to_worst, read_run
 
 

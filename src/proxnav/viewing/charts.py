@@ -49,6 +49,15 @@ class Mark:
     """Class in the style sheet: point, outlier or none (no value: drawn on the upper edge)."""
 
 
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line through points."""
+
+    points: Sequence[tuple[float, float]]
+    kind: str = "line"
+    """Class in the style sheet: line, bound or error."""
+
+
 def linear_axis(label: str, values: Sequence[float], from_zero: bool = False) -> Axis:
     """A scale that holds all finite values, with a little room."""
     finite = [value for value in values if np.isfinite(value)] or [0.0, 1.0]
@@ -64,10 +73,27 @@ def log_axis(label: str, values: Sequence[float], at_most: float = np.inf) -> Ax
     return Axis(label, 10.0**low, min(10.0 ** max(high, low + 1.0), at_most), log=True)
 
 
-def scatter(name: str, x: Axis, y: Axis, marks: Sequence[Mark], line: Sequence[tuple[float, float]] = ()) -> str:
-    """Marks over a grid, and a line through `line`. `name` says what the chart shows, for those who do not see it."""
+def scatter(name: str, x: Axis, y: Axis, marks: Sequence[Mark], lines: Sequence[Line] = ()) -> str:
+    """Marks over a grid, and lines. `name` says what the chart shows, for those who do not see it."""
     shapes = [_shape(mark, x, y) for mark in marks]
-    return _svg(name, x, y, "".join([*shapes, _path(x, y, line, "line")]))
+    return _svg(name, x, y, "".join([*shapes, *(_path(x, y, line.points, line.kind) for line in lines)]))
+
+
+def band_chart(
+    name: str,
+    x: Axis,
+    y: Axis,
+    places: Float[np.ndarray, "n"],
+    low: Float[np.ndarray, "n"],
+    high: Float[np.ndarray, "n"],
+    line: Line,
+) -> str:
+    """A line over the area between `low` and `high`."""
+    there = [(float(a), float(b)) for a, b in zip(places, low, strict=True)]
+    back = [(float(a), float(b)) for a, b in zip(places[::-1], high[::-1], strict=True)]
+    zero = [(x.low, 0.0), (x.high, 0.0)]
+    inside = [_path(x, y, there + back, "band"), _path(x, y, zero, "frame"), _path(x, y, line.points, line.kind)]
+    return _svg(name, x, y, "".join(inside))  # fmt: skip
 
 
 def histogram(
@@ -134,17 +160,23 @@ def _svg(name: str, x: Axis, y: Axis, inside: str) -> str:
     return f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(name)}">{_grid(x, y)}{inside}</svg>'
 
 
+def _tick(value: float) -> str:
+    """Short enough not to run into the axis' label."""
+    text = f"{value:g}"
+    return text if len(text) < 6 else f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
+
+
 def _grid(x: Axis, y: Axis) -> str:
     right, bottom, middle = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM, (_TOP + _HEIGHT - _BOTTOM) / 2
     parts = []
     for tick in x.ticks():
         u = _x(x, tick)
         parts.append(f'<path class="grid" d="M{u:.1f},{_TOP}V{bottom}"/>')
-        parts.append(f'<text class="tick" x="{u:.1f}" y="{bottom + 18}" text-anchor="middle">{tick:g}</text>')
+        parts.append(f'<text class="tick" x="{u:.1f}" y="{bottom + 18}" text-anchor="middle">{_tick(tick)}</text>')
     for tick in y.ticks():
         v = _y(y, tick)
         parts.append(f'<path class="grid" d="M{_LEFT},{v:.1f}H{right}"/>')
-        parts.append(f'<text class="tick" x="{_LEFT - 8}" y="{v + 4:.1f}" text-anchor="end">{tick:g}</text>')
+        parts.append(f'<text class="tick" x="{_LEFT - 8}" y="{v + 4:.1f}" text-anchor="end">{_tick(tick)}</text>')
     parts.append(f'<path class="frame" d="M{_LEFT},{_TOP}V{bottom}H{right}"/>')
     centre = (_LEFT + right) / 2
     parts.append(f'<text class="axis" x="{centre}" y="{_HEIGHT - 10}" text-anchor="middle">{escape(x.label)}</text>')

@@ -143,3 +143,33 @@ def _numbers(cells: Sequence[str | None], where: str) -> np.ndarray:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError as error:
         raise InputError(f"{where}: {error}; expected numbers") from None
+
+
+def errors_in_3_sigma(
+    t: Float[np.ndarray, "n"], errors: Float[np.ndarray, "n 12"], sigmas: Float[np.ndarray, "n 12"]
+) -> Figure:
+    """Errors of a navigation solution over time, position, velocity, attitude and rate, within three sigma."""
+    figure = Figure(figsize=(11.0, 9.0), layout="constrained")
+    grid = figure.subplots(4, 3, sharex=True, sharey="row")
+    turn = np.degrees(1.0)
+    rows = (
+        ("position [m], RIC", 1.0), ("velocity [mm/s], RIC", 1e3), ("attitude [deg], target axes", turn),
+        ("rate [mdeg/s], target axes", 1e3 * turn),
+    )  # fmt: skip
+    for i, (label, unit) in enumerate(rows):
+        bound = 3.0 * unit * sigmas[:, 3 * i : 3 * i + 3]
+        for j in range(3):
+            axes = grid[i, j]
+            axes.fill_between(t, -bound[:, j], bound[:, j], color=_LINE, alpha=0.2, linewidth=0, label="3 sigma")
+            axes.plot(t, unit * errors[:, 3 * i + j], color=_POINTS, linewidth=1.0, label="error")
+            axes.grid(alpha=0.4)
+        settled = bound[len(bound) // 4 :]
+        largest = unit * np.abs(errors[len(bound) // 4 :, 3 * i : 3 * i + 3])
+        most = 1.3 * max(float(np.nanmax(settled)), float(np.nanmax(largest)))
+        grid[i, 0].set(ylabel=label, ylim=(-most, most))
+    for axes, name in zip(grid[0], "xyz", strict=True):
+        axes.set_title(f"{name}: truth minus estimate")
+    for axes in grid[-1]:
+        axes.set_xlabel("time [s]")
+    grid[0, 0].legend(loc="upper right")
+    return figure

@@ -15,10 +15,11 @@ import cv2
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
-from scipy.stats import chi2, norm
 
 from proxnav.datasets.dataset import read_image
-from proxnav.viewing.charts import Mark, histogram, linear_axis, log_axis, running_median, scatter
+from proxnav.viewing.numbers import number
+from proxnav.viewing.report_charts import calibration, phase_charts, range_charts
+from proxnav.viewing.report_filter import filter_section
 from proxnav.viewing.run_folder import HALF_TURN_RAD, FrameRow, Picture, Run, from_best_to_worst, read_run
 
 STUDY = {
@@ -44,7 +45,6 @@ _ROWS = (
     ("p95_e_r_deg", "95th percentile E_R", "deg"),
     ("median_e_c", "median E_C", "-"),
 )
-_AXES = ("x right [m]", "y down [m]", "z forward [m]", "about x [rad]", "about y [rad]", "about z [rad]")
 _PICTURES = 150
 _PICTURE_BYTES = 8_000_000  # of all pictures together; base64 adds a third
 _SIZES = ((1024, 85), (1024, 70), (768, 70), (512, 70), (384, 60), (256, 50))  # longer side [px], JPEG quality
@@ -52,7 +52,9 @@ _PAGE = Path(__file__).parent / "page"
 
 
 def report_html(folder: Path, title: str) -> str:
-    """The report of the run in `folder` (poses.json, truth.json, metrics.json, overlays/, config.json if any)."""
+    """The report of the run in `folder`: estimates (poses.json, truth.json, metrics.json; overlays/, frames.json and
+    config.json where they are there), a navigation solution (solution.csv), or both.
+    """
     run = read_run(folder)
     pages = Environment(
         loader=FileSystemLoader(_PAGE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -66,10 +68,12 @@ def report_html(folder: Path, title: str) -> str:
         script_hash=_hash(script),
         headline=list(headline(run.metrics)),
         coverage=coverage(run.frames),
-        translation_chart=Markup(_range_chart(run.frames, "e_t_norm_m", "position error E_T [m]", 1.0, math.inf)),
-        rotation_chart=Markup(_range_chart(run.frames, "e_r_rad", "attitude error E_R [deg]", 180.0 / math.pi, 180.0)),
-        calibration=_calibration(run),
-        frames=[_frame_cells(frame) for frame in run.frames],
+        range_charts=[Markup(chart) for chart in range_charts(run)],
+        phase_charts=[Markup(chart) for chart in phase_charts(run)],
+        has_bound=bool(run.notes),
+        calibration=calibration(run),
+        filter=filter_section(run.flight),
+        frames=[_frame_cells(frame, run) for frame in run.frames],
         statuses=sorted({frame.status for frame in run.frames}),
         gallery=list(_gallery(run)),
         hidden=max(0, len(run.pictures) - _PICTURES),
@@ -89,8 +93,8 @@ def headline(metrics: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         yield {
             "label": label,
             "unit": unit,
-            "study": _number(STUDY.get(key)),
-            "ours": _number(values.get(key)),
+            "study": number(STUDY.get(key)),
+            "ours": number(values.get(key)),
             "interval": "–" if low == "–" else f"{low} to {high}",
         }
 
@@ -117,62 +121,13 @@ def flattened(config: Any, path: str = "") -> Iterator[tuple[str, str]]:
         yield path, ", ".join(map(str, config)) if isinstance(config, list) else str(config)
 
 
-def _range_chart(frames: tuple[FrameRow, ...], key: str, label: str, scale: float, at_most: float) -> str:
-    marks, posed = [], [frame for frame in frames if frame.errors is not None]
-    values = [float(getattr(frame.errors, key)) * scale for frame in posed]
-    for frame, value in zip(posed, values, strict=True):
-        wrong = frame.errors is not None and frame.errors.e_r_rad > HALF_TURN_RAD
-        text = f"{frame.filename}: {value:.4g} at {frame.range_m:.1f} m"
-        marks.append(Mark(frame.range_m, value, text, "outlier" if wrong else "point"))
-    lost = [frame for frame in frames if frame.errors is None]
-    marks += [Mark(f.range_m, 0.0, f"{f.filename}: {f.status} at {f.range_m:.1f} m", "none") for f in lost]
-    x = linear_axis("true range [m]", [frame.range_m for frame in frames])
-    line = running_median([frame.range_m for frame in posed], values)
-    name = f"{label} against true range, {len(posed)} poses"
-    return scatter(name, x, log_axis(label, values, at_most), marks, line)
-
-
-def _calibration(run: Run) -> dict[str, Any] | None:
-    """Chart of normalised squared errors and the shares inside k sigma per axis; None without covariances."""
-    errors = [frame.errors for frame in run.frames if frame.errors is not None and frame.errors.nees is not None]
-    if not errors:
-        return None
-    normalised = np.abs(np.array([error.normalised for error in errors]))
-    nees = np.array([error.nees for error in errors], dtype=np.float64)
-    inside = [
-        (axis, [f"{100.0 * np.mean(normalised[:, k] <= n):.1f} %" for n in (1, 2, 3)]) for k, axis in enumerate(_AXES)
-    ]
-    return {
-        "poses": len(errors),
-        "mean": _number(float(nees.mean())),
-        "median": _number(float(np.median(nees))),
-        "honest_median": _number(float(chi2.median(6))),
-        "inside": inside,
-        "honest": [f"{100.0 * (2.0 * norm.cdf(n) - 1.0):.1f} %" for n in (1, 2, 3)],
-        "chart": Markup(_nees_chart(nees)),
-    }
-
-
-def _nees_chart(nees: np.ndarray) -> str:
-    top = 24.0  # chi-square with 6 degrees of freedom leaves 0.05 % beyond
-    edges = np.linspace(0.0, top, 17)
-    counts = np.histogram(np.minimum(nees, top - 1e-9), edges)[0] / (len(nees) * np.diff(edges))
-    places = np.linspace(0.0, top, 121)
-    line = [(float(a), float(b)) for a, b in zip(places, chi2.pdf(places, 6), strict=True)]
-    x = linear_axis(f"squared normalised error, 6 numbers [-]; last bar: all above {edges[-2]:g}", [0.0, top], True)
-    name = (
-        f"Histogram of the squared normalised errors of {len(nees)} poses against chi-square with 6 degrees of freedom"
-    )
-    return histogram(name, x, edges, counts, "density [-]", line)
-
-
-def _frame_cells(frame: FrameRow) -> dict[str, Any]:
+def _frame_cells(frame: FrameRow, run: Run) -> dict[str, Any]:
     """Texts and sort keys of one row of the table of frames."""
-    e = frame.errors
-    numbers = [frame.range_m, *([None] * 7)]
+    e, note = frame.errors, run.notes.get(frame.filename)
+    numbers = [frame.range_m, None if note is None else math.degrees(note.phase_rad), *([None] * 7)]
     if e is not None:
-        numbers = [frame.range_m, *e.e_t_m, e.e_t_norm_m, math.degrees(e.e_r_rad), e.e_c, e.nees]
-    return {"name": frame.filename, "status": frame.status, "numbers": [_number(number) for number in numbers]}
+        numbers[2:] = [*e.e_t_m, e.e_t_norm_m, math.degrees(e.e_r_rad), e.e_c, e.nees]
+    return {"name": frame.filename, "status": frame.status, "numbers": [number(value) for value in numbers]}
 
 
 def _gallery(run: Run) -> Iterator[dict[str, str]]:
@@ -210,14 +165,8 @@ def _jpeg(path: Path, budget: int) -> bytes:
     return encoded
 
 
-def _number(value: Any) -> str:
-    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
-        return "–"
-    return f"{value:.4g}"
-
-
 def _pair(value: Any) -> tuple[str, str]:
-    return (_number(value[0]), _number(value[1])) if isinstance(value, list) and len(value) == 2 else ("–", "–")
+    return (number(value[0]), number(value[1])) if isinstance(value, list) and len(value) == 2 else ("–", "–")
 
 
 def _text(name: str) -> str:

@@ -3,11 +3,13 @@
 poses.json    estimates               metrics.json   headline numbers
 truth.json    true poses              overlays/      <best|median|worst>-NNNN.png, NNNN = place from best to worst
 config.json   optional, what was asked for and with which versions
+frames.json   optional, phase angle and Cramer-Rao bound of each frame
+solution.csv  a navigation solution, alone or beside the rest
 """
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +17,11 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.datasets.files import read_json
+from proxnav.datasets.run_frames import FrameNote, read_run_frames
 from proxnav.datasets.speed import PoseRecord, read_poses
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion, so3
+from proxnav.viewing.flight_folder import SOLUTION, Flight, read_flight
 
 _OVERLAY = re.compile(r"(best|median|worst)-(\d{1,9})\.png")
 
@@ -74,19 +78,30 @@ class Run:
     pictures: tuple[Picture, ...]
     """From worst to best."""
     config: Any = None
+    notes: Mapping[str, FrameNote] = field(default_factory=dict)
+    """What each frame was, by file name; empty where the run does not say."""
+    flight: Flight | None = None
+    """Navigation solution, if the run has one."""
 
 
 def read_run(folder: Path) -> Run:
     """The run in `folder`; InputError names what is missing or does not fit."""
+    config = folder / "config.json"
+    configuration = read_json(config, "the configuration of a run") if config.is_file() else None
+    flight = read_flight(folder) if (folder / SOLUTION).is_file() else None
+    if flight is not None and not (folder / "poses.json").is_file():
+        return Run((), {}, (), configuration, flight=flight)
     metrics = read_json(folder / "metrics.json", "the headline numbers of a run")
     if not isinstance(metrics, dict):
         raise InputError(f"{folder / 'metrics.json'}: expected one object of numbers; run proxnav evaluate again")
-    config = folder / "config.json"
+    notes = read_run_frames(folder)
     return Run(
         frames=frame_rows(read_poses(folder / "poses.json"), read_poses(folder / "truth.json")),
         metrics=metrics,
         pictures=_pictures(folder / "overlays"),
-        config=read_json(config, "the configuration of a run") if config.is_file() else None,
+        config=configuration,
+        notes={} if notes is None else {note.filename: note for note in notes.frames},
+        flight=flight,
     )
 
 

@@ -2,6 +2,7 @@
 // Sorting and filtering of the table of frames; enlarging of overlays. Without script the page shows all there is.
 (() => {
   const table = document.getElementById("frame-table");
+  if (table === null) return; // a flight without images has neither frames nor overlays
   const body = table.tBodies[0];
   const rows = Array.from(body.rows);
   const heads = Array.from(table.tHead.rows[0].cells);

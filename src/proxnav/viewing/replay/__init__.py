@@ -1,0 +1,1 @@
+"""A run as something that can be played: Rerun recording, video, MCAP."""

@@ -1,0 +1,118 @@
+"""Charts of single-image estimates for the report: errors against range and phase angle, honesty of the covariances."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+from scipy.stats import chi2, norm
+
+from proxnav.viewing.charts import Line, Mark, histogram, linear_axis, log_axis, running_median, scatter
+from proxnav.viewing.numbers import number
+from proxnav.viewing.run_folder import HALF_TURN_RAD, FrameRow, Run
+
+_AXES = ("x right [m]", "y down [m]", "z forward [m]", "about x [rad]", "about y [rad]", "about z [rad]")
+_DEG = 180.0 / math.pi
+
+
+def range_charts(run: Run) -> Iterator[str]:
+    """E_T and E_R against the true range, with the Cramer-Rao bound where the run knows it."""
+    x = linear_axis("true range [m]", [frame.range_m for frame in run.frames])
+    for kind, label, scale, at_most in _KINDS[:2]:
+        values = [_value(frame, kind) * scale for frame in run.frames]
+        bounds = [(frame.range_m, _bound(frame, run, kind) * scale) for frame in run.frames]
+        yield _chart(run, x, label, [frame.range_m for frame in run.frames], values, at_most, bounds)
+
+
+def phase_charts(run: Run) -> Iterator[str]:
+    """E_TN and E_R against the angle Sun, target, camera; nothing where the run does not know the Sun."""
+    angles = [math.degrees(run.notes[f.filename].phase_rad) if f.filename in run.notes else np.nan for f in run.frames]
+    if not np.isfinite(angles).any():
+        return
+    x = linear_axis("phase angle Sun, target, camera [deg]", angles)
+    for kind, label, scale, at_most in (_KINDS[2], _KINDS[1]):
+        values = [_value(frame, kind) * scale for frame in run.frames]
+        yield _chart(run, x, label, angles, values, at_most, [])
+
+
+_KINDS = (
+    ("e_t_norm_m", "position error E_T [m]", 1.0, math.inf),
+    ("e_r_rad", "attitude error E_R [deg]", _DEG, 180.0),
+    ("e_tn", "position error over range E_TN [-]", 1.0, math.inf),
+)
+
+
+def _chart(
+    run: Run,
+    x: Any,
+    label: str,
+    places: list[float],
+    values: list[float],
+    at_most: float,
+    bounds: list[tuple[float, float]],
+) -> str:
+    marks, unit = [], x.label.split()[-1].strip("[]")
+    for frame, place, value in zip(run.frames, places, values, strict=True):
+        if not math.isfinite(place):
+            continue
+        if frame.errors is None:
+            marks.append(Mark(place, 0.0, f"{frame.filename}: {frame.status} at {place:.1f} {unit}", "none"))
+        else:
+            kind = "outlier" if frame.errors.e_r_rad > HALF_TURN_RAD else "point"
+            marks.append(Mark(place, value, f"{frame.filename}: {value:.4g} at {place:.1f} {unit}", kind))
+    posed = [(p, v) for p, v in zip(places, values, strict=True) if math.isfinite(p) and math.isfinite(v)]
+    known = [(p, b) for p, b in bounds if math.isfinite(b)]
+    lines = [Line(running_median(*_columns(posed)), "line"), Line(running_median(*_columns(known)), "bound")]
+    name = f"{label} against {x.label}, {len(posed)} poses"
+    every = [value for _, value in posed] + [bound for _, bound in lines[1].points]
+    return scatter(name, x, log_axis(label, every, at_most), marks, lines)  # fmt: skip
+
+
+def _columns(pairs: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
+    return [a for a, _ in pairs], [b for _, b in pairs]
+
+
+def _value(frame: FrameRow, kind: str) -> float:
+    return math.nan if frame.errors is None else float(getattr(frame.errors, kind))
+
+
+def _bound(frame: FrameRow, run: Run, kind: str) -> float:
+    note = run.notes.get(frame.filename)
+    if note is None:
+        return math.nan
+    return note.bound_e_t_m if kind == "e_t_norm_m" else note.bound_e_r_rad
+
+
+def calibration(run: Run) -> dict[str, Any] | None:
+    """Chart of normalised squared errors and the shares inside k sigma per axis; None without covariances."""
+    errors = [frame.errors for frame in run.frames if frame.errors is not None and frame.errors.nees is not None]
+    if not errors:
+        return None
+    normalised = np.abs(np.array([error.normalised for error in errors]))
+    nees = np.array([error.nees for error in errors], dtype=np.float64)
+    inside = [
+        (axis, [f"{100.0 * np.mean(normalised[:, k] <= n):.1f} %" for n in (1, 2, 3)]) for k, axis in enumerate(_AXES)
+    ]
+    return {
+        "poses": len(errors),
+        "mean": number(float(nees.mean())),
+        "median": number(float(np.median(nees))),
+        "honest_median": number(float(chi2.median(6))),
+        "inside": inside,
+        "honest": [f"{100.0 * (2.0 * norm.cdf(n) - 1.0):.1f} %" for n in (1, 2, 3)],
+        "chart": Markup(_nees_chart(nees)),
+    }
+
+
+def _nees_chart(nees: np.ndarray) -> str:
+    top = 24.0  # chi-square with 6 degrees of freedom leaves 0.05 % beyond
+    edges = np.linspace(0.0, top, 17)
+    counts = np.histogram(np.minimum(nees, top - 1e-9), edges)[0] / (len(nees) * np.diff(edges))
+    places = np.linspace(0.0, top, 121)
+    line = [(float(a), float(b)) for a, b in zip(places, chi2.pdf(places, 6), strict=True)]
+    x = linear_axis(f"squared normalised error, 6 numbers [-]; last bar: all above {edges[-2]:g}", [0.0, top], True)
+    name = (
+        f"Histogram of the squared normalised errors of {len(nees)} poses against chi-square with 6 degrees of freedom"
+    )
+    return histogram(name, x, edges, counts, "density [-]", line)
