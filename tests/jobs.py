@@ -56,3 +56,42 @@ class Interrupted:
             return x
 
         return work
+
+
+class FailAtThree:
+    """A job that cannot do one of its items, however often it tries."""
+
+    def __call__(self):
+        def work(x: int) -> int:
+            if x == 3:
+                raise ValueError(f"cannot do {x}")
+            return x
+
+        return work
+
+
+class Same:
+    """A job that gives each item back."""
+
+    def __call__(self):
+        return lambda x: x
+
+
+class Threads:
+    """A job that says how many threads the libraries of its process were allowed."""
+
+    def __call__(self):
+        import cv2
+
+        return lambda x: (cv2.getNumThreads(), os.environ["OPENBLAS_NUM_THREADS"])
+
+
+class LeaveName:
+    """A job whose workers write down their process ids."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __call__(self):
+        (self.folder / str(os.getpid())).touch()
+        return lambda x: x

@@ -5,7 +5,25 @@ import pytest
 
 from proxnav.cli import COMMANDS, main
 
-HEAVY = ("torch", "cv2", "scipy", "numba", "matplotlib", "openvino", "onnxruntime", "pandas", "ray", "rerun", "trimesh")
+HEAVY = (
+    "numpy",
+    "tyro",
+    "rich",
+    "fsspec",
+    "s3fs",
+    "lightning_fabric",
+    "torch",
+    "cv2",
+    "scipy",
+    "numba",
+    "matplotlib",
+    "openvino",
+    "onnxruntime",
+    "pandas",
+    "ray",
+    "rerun",
+    "trimesh",
+)
 
 
 def _loaded(code, names):
@@ -39,9 +57,7 @@ def test_bad_input_is_one_sentence_and_exits_1(capsys, tmp_path):
     "command", [name for name in COMMANDS if name not in ("train", "benchmark", "setup", "target")]
 )
 def test_each_command_explains_itself(command, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        main([command, "--help"])
-    assert stopped.value.code == 0
+    assert main([command, "--help"]) == 0
     assert f"proxnav {command}" in capsys.readouterr().out
 
 

@@ -25,7 +25,7 @@ def _main(number: int) -> Callable[..., Any]:
 
 def test_examples_are_numbered_without_gaps_and_stay_short() -> None:
     paths = sorted(EXAMPLES.glob("*.py"))
-    assert [path.name[:3] for path in paths] == [f"{k:02d}_" for k in range(1, len(paths) + 1)]
+    assert [path.name[:3] for path in paths] == [f"{k:02d}_" for k in range(1, 9)]
     assert all(len(path.read_text(encoding="utf-8").splitlines()) < 60 for path in paths)
 
 
@@ -72,3 +72,8 @@ def test_06_writes_a_data_set_that_reads_back(tmp_path: Path) -> None:
 def test_07_scores_estimates_against_the_truth(tmp_path: Path) -> None:
     assert 0.0 < _main(7)(tmp_path, frames=20) < 0.05
     assert (tmp_path / "07_evaluate.png").is_file()
+
+
+def test_08_keeps_the_position_within_a_metre(tmp_path: Path) -> None:
+    assert np.linalg.norm(_main(8)(tmp_path, seconds=40.0)) < 1.0  # m, at 100 m
+    assert (tmp_path / "08_navigation" / "solution.csv").is_file()

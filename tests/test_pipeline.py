@@ -7,15 +7,18 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from jobs import Same
 from proxnav import presets
 from proxnav.commands.demo import DemoConfig
 from proxnav.crops import CropConfig, CropJob, WholeFrameJob, sample_source
 from proxnav.datasets.dataset import Dataset
+from proxnav.datasets.lock import LOCK
 from proxnav.datasets.records import Keypoints
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
@@ -68,6 +71,13 @@ def test_a_frame_is_drawn_again_from_its_line_alone(six, tmp_path):
     assert fingerprint(tmp_path / "one")[name] == fingerprint(six.folder)[name]
 
 
+def test_a_lock_that_a_killed_run_left_in_a_finished_set_is_removed(tmp_path):
+    render(scenes(1), RAYCAST, tmp_path, 1)
+    (tmp_path / LOCK).touch()
+    render(scenes(1), RAYCAST, tmp_path, 1)
+    assert not (tmp_path / LOCK).exists()
+
+
 @pytest.mark.slow
 def test_a_render_killed_twenty_times_ends_like_one_that_was_not(tmp_path):
     command = [sys.executable, "-m", "proxnav.cli", "render", "--renderer", "raycast", "--frames", "40", "--size", "64"]
@@ -105,6 +115,10 @@ def test_perfect_estimates_have_no_error(six):
     judgement = judge([replace(record, status="ok") for record in truth_of(six)], six)
     assert judgement.summary.poses == 6
     assert judgement.summary.mean_e_c < 1e-9
+    assert judgement.efficiency
+    assert all(one.translation < 1e-6 < one.bound_t_m for one in judgement.efficiency.values())
+    assert set(judgement.metrics()["efficiency"]) == {f"{a:g}-{b:g} m" for a, b in judgement.efficiency}
+    assert "Cramer-Rao" in judgement.text()
 
 
 CROPS = CropConfig(side=64, scenes=presets.TRAINING, seed=11)
@@ -135,13 +149,19 @@ def test_a_share_of_whole_frames_is_empty():
 
 def test_a_stream_of_samples_can_be_entered_anywhere():
     source = sample_source(CropJob(CROPS), workers=1, repeats=2, block=4)
-    from itertools import islice
-
     whole = [sample.image for sample in islice(source(0, 1), 12)]
     late = [sample.image for sample in islice(source(5, 1), 5)]
     for image, same in zip(late, whole[5:10], strict=True):
         np.testing.assert_array_equal(image, same)
     assert not np.array_equal(whole[0], whole[8])  # after both passes comes another block
+
+
+def test_ranks_draw_disjoint_samples_and_together_all_of_them():
+    whole = set(range(24))
+    shares = [set(islice(sample_source(Same(), workers=1, repeats=1, block=8)(rank, 2), 12)) for rank in (0, 1)]
+    assert shares[0] | shares[1] == whole
+    assert not shares[0] & shares[1]
+    assert set(islice(sample_source(Same(), workers=1, repeats=1, block=8)(0, 1), 24)) == whole
 
 
 @pytest.mark.parametrize("frames", range(1, 40))

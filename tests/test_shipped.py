@@ -51,3 +51,14 @@ def test_noise_gives_no_pose(estimator, kind, rng):
         if kind == "smooth":
             image = cv2.normalize(cv2.GaussianBlur(image, (0, 0), 12.0), None, 0, 255, cv2.NORM_MINMAX)
         assert estimator(image, PRESET.camera).T_cam_target is None
+
+
+def test_the_studys_network_sees_as_well_as_the_study_did(make):
+    study = PoseEstimator.load("space-rider-study")
+    errors = []
+    for scene in draw_scenes(PRESET, FRAMES, seed=424_242):
+        T = study(make(scene).image, scene.camera).T_cam_target
+        if T is not None:
+            errors.append(pose_errors(T, scene.T_cam_target).e_c)
+    assert len(errors) >= 0.6 * FRAMES
+    assert np.median(errors) < STUDY["mean_e_c"]

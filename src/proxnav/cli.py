@@ -2,23 +2,11 @@
 
 import os
 import sys
+from collections.abc import Callable
 from importlib import import_module
 
-COMMANDS = {
-    "demo": "the whole chain, small: render, estimate, solve, evaluate, plot",
-    "render": "a data set or a sequence, from a preset or a trajectory file",
-    "train": "a keypoint detector, from a data set or rendered on line",
-    "estimate": "images or a data set to poses.json",
-    "solve": "keypoints of your own detector to poses.json",
-    "simulate": "sensor records along a trajectory: camera, gyro, star tracker, GNSS",
-    "navigate": "the filter over records: navigation solution with covariance",
-    "evaluate": "poses.json against truth: the study's Table 1 and ours",
-    "report": "one HTML page of a finished run",
-    "target": "look at a target: keypoints, extents, preview",
-    "convert": "data sets, poses and trajectories between formats",
-    "benchmark": "measured tables beside their references",
-    "setup": "install what proxnav cannot bring itself: blender",
-}
+from proxnav.commands import COMMANDS
+from proxnav.help_pages import FULL, captured, folded
 
 _RESUMABLE = {"demo", "render", "train", "benchmark", "setup"}
 
@@ -44,7 +32,7 @@ def _run(command: str, argv: list[str]) -> int:
     from proxnav.errors import InputError
 
     try:
-        import_module(f"proxnav.commands.{command}").main(argv)
+        _call(command, argv)
     except InputError as error:
         print(f"proxnav {command}: {error}", file=sys.stderr)
         return 1
@@ -63,13 +51,33 @@ def _run(command: str, argv: list[str]) -> int:
     return 0
 
 
+def _call(command: str, argv: list[str]) -> None:
+    """Hands over; words that are URLs become folders here while the command runs."""
+    run = import_module(f"proxnav.commands.{command}").main
+    if {"-h", "--help", FULL} & set(argv):
+        return _explain(run, command, argv)
+    if not any("://" in word for word in argv):
+        return run(argv)
+    from proxnav.commands.remote import localised
+
+    with localised(argv) as words:
+        return run(words)
+
+
+def _explain(run: Callable[[list[str]], None], command: str, argv: list[str]) -> None:
+    """The command's help, one screen of it unless all of it is asked for."""
+    page = captured(run, [word for word in argv if word not in ("-h", "--help", FULL)])
+    name = " ".join([command, *(word for word in argv[:1] if not word.startswith("-"))])
+    print(page if FULL in argv else folded(page, name), end="")
+
+
 def _overview() -> str:
     width = max(map(len, COMMANDS))
     rows = "\n".join(f"  {name:<{width}}  {job}" for name, job in COMMANDS.items())
     return (
         "usage: proxnav COMMAND [options]\n\nRelative navigation of spacecraft from one camera.\n\n"
-        f"{rows}\n\n'proxnav COMMAND --help' lists a command's options. Exit status: 0 done, 1 bad input, "
-        "2 wrong usage, 130 interrupted."
+        f"{rows}\n\n'proxnav COMMAND --help' explains one. Exit status: 0 done, 1 bad input, 2 wrong usage, "
+        "130 interrupted."
     )
 
 

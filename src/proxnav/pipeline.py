@@ -1,40 +1,48 @@
 """The flow as prose: scenes -> frames -> data set -> keypoints -> poses -> errors; each stage one call."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
-from proxnav.cluster.local import run_jobs
+from proxnav.cluster.jobs import POOL, is_elsewhere, run_anywhere
 from proxnav.datasets.dataset import Dataset, encode_png
 from proxnav.datasets.files import read_json, write_atomic, write_json
-from proxnav.datasets.records import SceneSpec, Trajectory
+from proxnav.datasets.lock import LOCK, only_run_in
+from proxnav.datasets.records import VISIBLE, FrameLabel, Keypoints, SceneSpec, Trajectory
+from proxnav.datasets.run_frames import FrameNote, RunFrames, write_run_frames
 from proxnav.datasets.run_record import plain, run_record
 from proxnav.datasets.speed import PoseRecord, write_poses
-from proxnav.datasets.writer import DatasetWriter
+from proxnav.datasets.writer import DatasetWriter, encode_frame
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
-from proxnav.evaluation.consistency import Consistency, consistency
+from proxnav.evaluation.consistency import Consistency, Efficiency, consistency, efficiency_by_range
 from proxnav.evaluation.metrics import metrics
 from proxnav.evaluation.pairing import Frame, pair
 from proxnav.evaluation.summary import Summary, by_range, summarise_frames
-from proxnav.evaluation.table import consistency_line, range_table, table1
+from proxnav.evaluation.table import consistency_line, efficiency_table, range_table, table1
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.geometry.types import Points
+from proxnav.pose.crlb import cramer_rao_white
 from proxnav.presets import Preset
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.scenes.random_scene import random_scene
+from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select, spread
 from proxnav.viewing.overlay import caption, overlay
 from proxnav.viewing.run_folder import overlay_files
 
 LARGEST_SIDE_PX = 16_384
+EFFICIENCY_EDGES_M = (10.0, 15.0, 25.0, 40.0, 60.0, 70.0, 90.0, 110.0)
+"""Bins round 20, 50 and 80 m, and what lies between."""
 
 
 def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
@@ -80,20 +88,40 @@ def resized(camera: Camera, size: int | None) -> Camera:
 
 
 def render(
-    scenes: Sequence[SceneSpec], config: FrameConfig, out: Path, workers: int, done: Callable[[], None] = lambda: None
+    scenes: Sequence[SceneSpec],
+    config: FrameConfig,
+    out: Path,
+    workers: int,
+    done: Callable[[], None] = lambda: None,
+    on: str = POOL,
 ) -> Dataset:
     """A data set of the scenes' frames in `out`; a run that was interrupted goes on where it stopped.
 
-    `done` is called after each frame, those that are already there included.
+    `done` is called after each frame, those that are already there included; `on` says where the workers are.
     """
-    target = load_target(scenes[0].target)
-    writer = DatasetWriter(out)
+    target, writer = load_target(scenes[0].target), DatasetWriter(out)
+    writer.check(scenes)
+    # Reading a finished set needs no lock and no leave to write; one that a killed run left there is taken and removed.
+    is_done = (out / "annotations.json").exists() and not (out / LOCK).exists()
+    with nullcontext() if is_done else only_run_in(out):
+        return _render(scenes, target, config, writer, workers, done, on)
+
+
+def _render(
+    scenes: Sequence[SceneSpec], target: Target, config: FrameConfig, writer: DatasetWriter, workers: int,
+    done: Callable[[], None], on: str,
+) -> Dataset:  # fmt: skip
+    out = writer.folder
     waiting = writer.begin(scenes, target)
     _record_rendering(out / "config.json", config, is_new=len(waiting) == len(scenes))
     for _ in range(len(scenes) - len(waiting)):
         done()
-    job = _WriteJob(FrameJob(scenes[0].target, _share_cores(config, workers)), writer)
-    for _ in run_jobs(job, waiting, min(workers, max(1, len(waiting)))):
+    if is_elsewhere(on):  # a worker there has one processor, and its files are not ours
+        job = EncodeJob(FrameJob(target, replace(config, threads=config.threads or 1)))
+    else:
+        job = WriteJob(FrameJob(scenes[0].target, _share_cores(config, workers)), writer)
+    for _, files in run_anywhere(job, waiting, min(workers, max(1, len(waiting))), on, lambda scene: scene.filename):
+        writer.put(files)
         done()
     return Dataset(writer.finish(scenes, target))
 
@@ -113,21 +141,36 @@ def _record_rendering(path: Path, config: FrameConfig, is_new: bool) -> None:
 
 
 @dataclass(frozen=True)
-class _WriteJob:
-    """Renders a scene and writes its frame, all in the worker: only the index travels back."""
+class WriteJob:
+    """Renders a scene and writes its frame, all in the worker: nothing travels back."""
 
     frames: FrameJob
     writer: DatasetWriter
 
-    def __call__(self) -> Callable[[SceneSpec], int]:
-        make = self.frames()
+    def __call__(self) -> Callable[[SceneSpec], dict[str, bytes]]:
+        make = EncodeJob(self.frames)()
 
-        def write(scene: SceneSpec) -> int:
-            frame = make(scene)
-            self.writer.add(scene, frame.image, frame.mask, frame.label)
-            return scene.index
+        def write(scene: SceneSpec) -> dict[str, bytes]:
+            self.writer.put(make(scene))
+            return {}
 
         return write
+
+
+@dataclass(frozen=True)
+class EncodeJob:
+    """Renders a scene to the bytes of its files, for workers that do not see the data set's folder."""
+
+    frames: FrameJob
+
+    def __call__(self) -> Callable[[SceneSpec], dict[str, bytes]]:
+        make = self.frames()
+
+        def encode(scene: SceneSpec) -> dict[str, bytes]:
+            frame = make(scene)
+            return encode_frame(scene, frame.image, frame.mask, frame.label)
+
+        return encode
 
 
 def _share_cores(config: FrameConfig, workers: int) -> FrameConfig:
@@ -146,21 +189,27 @@ class Judgement:
     frames: tuple[Frame, ...]
     summary: Summary
     consistency: Consistency | None
+    efficiency: Mapping[tuple[float, float], Efficiency]
+    """Errors over the Cramer-Rao bound, at `EFFICIENCY_EDGES_M`."""
 
     def metrics(self) -> dict[str, Any]:
         """The numbers of `metrics.json`."""
-        return metrics(self.summary, self.consistency)
+        return metrics(self.summary, self.consistency, self.efficiency)
 
     def text(self) -> str:
-        """The study's Table 1 beside ours, errors by range, honesty of the covariances."""
-        return f"{table1(self.summary)}\n\n{range_table(by_range(self.frames))}\n\n{consistency_line(self.consistency)}"
+        """The study's Table 1 beside ours, errors by range and over the bound, honesty of the covariances."""
+        tables = (table1(self.summary), range_table(by_range(self.frames)), efficiency_table(self.efficiency))
+        return "\n\n".join((*tables, consistency_line(self.consistency)))
 
 
 def judge(records: Sequence[PoseRecord], dataset: Dataset) -> Judgement:
     """Errors of the estimates of a data set."""
     truth = truth_of(dataset)
     frames = pair({record.filename: record for record in records}, {record.filename: record for record in truth})
-    return Judgement(tuple(records), truth, frames, summarise_frames(frames), consistency(frames))
+    bounds = {label.filename: best_covariance(label, dataset.keypoints_m, dataset.camera) for label in dataset.labels}
+    known = {name: bound for name, bound in bounds.items() if bound is not None}
+    efficiency = efficiency_by_range(frames, known, EFFICIENCY_EDGES_M)
+    return Judgement(tuple(records), truth, frames, summarise_frames(frames), consistency(frames), efficiency)
 
 
 def truth_of(dataset: Dataset) -> tuple[PoseRecord, ...]:
@@ -169,21 +218,76 @@ def truth_of(dataset: Dataset) -> tuple[PoseRecord, ...]:
 
 
 def write_run(
-    out: Path, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator, options: Any, each: int = 10
+    out: Path,
+    judgement: Judgement,
+    dataset: Dataset,
+    estimator: PoseEstimator,
+    options: Any,
+    each: int = 10,
+    keypoints: Sequence[Keypoints] | None = None,
 ) -> None:
-    """poses.json, truth.json, metrics.json, config.json, and overlays of the `each` best, median and worst frames.
+    """poses, truth, metrics, config and frames as .json, and overlays of the `each` best, median and worst frames.
 
-    `options` is the dataclass that the run was asked with.
-    """
+    `options` is the dataclass that the run was asked with; without `keypoints` the detector looks at every frame again.
+    """  # fmt: skip
     write_poses(out / "poses.json", judgement.records)
     write_poses(out / "truth.json", judgement.truth)
     write_json(out / "metrics.json", judgement.metrics(), indent=1)
     write_json(out / "config.json", run_record(options), indent=1)
+    if keypoints is None:
+        keypoints = [estimator.observe(dataset.image(k), dataset.camera)[0] for k in range(len(dataset))]
+    write_run_frames(out, notes_of(dataset, estimator.points_target_m, keypoints))
     for stale in overlay_files(out / "overlays"):
         stale.unlink()
     errors = [np.inf if frame.errors is None else frame.errors.e_c for frame in judgement.frames]
     for name, index in telling(np.argsort(errors, kind="stable"), each):
-        write_atomic(out / "overlays" / f"{name}.png", encode_png(draw(index, judgement, dataset, estimator)))
+        picture = draw(index, judgement, dataset, estimator.points_target_m, keypoints[index])
+        write_atomic(out / "overlays" / f"{name}.png", encode_png(picture))
+
+
+def notes_of(dataset: Dataset, points_target_m: Points, keypoints: Sequence[Keypoints]) -> RunFrames:
+    """What each frame was: its time, the Sun, the best that its keypoints allow, and what the detector found."""
+    scenes = list(dataset.scenes()) if (dataset.folder / "scenes.jsonl").is_file() else [None] * len(dataset)
+    flown = scenes[0] is not None and bool(scenes[0].sequence)
+    notes = [
+        FrameNote.of(
+            label.filename,
+            scene.t if scene is not None and flown else float(k),
+            np.nan if scene is None else phase_angle(scene),
+            reachable(label, points_target_m, dataset.camera),
+            found,
+        )
+        for k, (label, scene, found) in enumerate(zip(dataset.labels, scenes, keypoints, strict=True))
+    ]
+    target = dataset.target_name if scenes[0] is None else scenes[0].target
+    epoch = scenes[0].epoch_utc if scenes[0] is not None and flown else ""
+    return RunFrames(tuple(notes), dataset.camera, points_target_m, target, epoch, dataset.folder)
+
+
+def phase_angle(scene: SceneSpec) -> float:
+    """Angle Sun, target, camera [rad]: 0 with the Sun behind the camera."""
+    to_camera = unit(scene.T_cam_target.inverse().t_m)
+    return float(np.arccos(np.clip(to_camera @ np.array(scene.sun.direction_target), -1.0, 1.0)))
+
+
+def reachable(label: FrameLabel, points_target_m: Points, camera: Camera) -> tuple[float, float]:
+    """(E_T [m], E_R [rad]) of the Cramer-Rao bound for the visible keypoints, each known to 1 px per axis; or NaN."""
+    bound = best_covariance(label, points_target_m, camera)
+    if bound is None:
+        return float("nan"), float("nan")
+    return float(np.sqrt(np.trace(bound[:3, :3]))), float(np.sqrt(np.trace(bound[3:, 3:])))
+
+
+def best_covariance(label: FrameLabel, points_target_m: Points, camera: Camera) -> Float[np.ndarray, "6 6"] | None:
+    """The Cramer-Rao bound itself; None where fewer than four keypoints are in sight or they do not fix a pose."""
+    visible = label.visibility == VISIBLE
+    if len(visible) != len(points_target_m) or visible.sum() < 4:
+        return None
+    try:
+        with np.errstate(divide="ignore", invalid="ignore"):  # points that are all one are refused, not warned of
+            return cramer_rao_white(label.T_cam_target, points_target_m[visible], camera)
+    except InputError:
+        return None
 
 
 def telling(order: np.ndarray, each: int) -> list[tuple[str, int]]:
@@ -202,11 +306,12 @@ def telling(order: np.ndarray, each: int) -> list[tuple[str, int]]:
     ]
 
 
-def draw(index: int, judgement: Judgement, dataset: Dataset, estimator: PoseEstimator) -> np.ndarray:
+def draw(
+    index: int, judgement: Judgement, dataset: Dataset, points_target_m: Points, keypoints: Keypoints
+) -> np.ndarray:
     """One frame with what was found in it and what is true."""
     frame, image = judgement.frames[index], dataset.image(index)
-    keypoints, _ = estimator.observe(image, dataset.camera)
-    canvas = overlay(image, dataset.camera, frame.T_est, frame.T_true, estimator.points_target_m, keypoints)
+    canvas = overlay(image, dataset.camera, frame.T_est, frame.T_true, points_target_m, keypoints)
     found, errors = frame.status, frame.errors
     if errors is not None:
         turn = np.degrees(errors.e_r_rad)

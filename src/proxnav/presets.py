@@ -42,7 +42,7 @@ class Preset:
     """Name of one of `FLIGHTS`; empty for random scenes."""
 
 
-_DAYLIGHT = FlightConfig(epoch_utc="2024-11-01T00:30:00Z")
+DAYLIGHT = FlightConfig(epoch_utc="2024-11-01T00:30:00Z")
 """The target comes out of Earth's shadow as the flight begins."""
 
 OBSERVATION = RandomSceneConfig(
@@ -79,10 +79,10 @@ PRESETS = {
 
 
 FLIGHTS: dict[str, Callable[[], Trajectory]] = {
-    "spiral-10-100m": lambda: walking_safety_ellipse(OBSERVATION_10_100_STRICT, _DAYLIGHT),
-    "spiral-200-350m": lambda: walking_safety_ellipse(SROC_200_350, _DAYLIGHT),
-    "approach-100-10m": lambda: straight_approach(ApproachConfig(), _DAYLIGHT),
-    "hold-30m": lambda: hold(HoldConfig(), _DAYLIGHT),
+    "spiral-10-100m": lambda: walking_safety_ellipse(OBSERVATION_10_100_STRICT, DAYLIGHT),
+    "spiral-200-350m": lambda: walking_safety_ellipse(SROC_200_350, DAYLIGHT),
+    "approach-100-10m": lambda: straight_approach(ApproachConfig(), DAYLIGHT),
+    "hold-30m": lambda: hold(HoldConfig(), DAYLIGHT),
 }
 """Trajectories by name."""
 

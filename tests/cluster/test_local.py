@@ -1,8 +1,14 @@
+import os
+import signal
+import subprocess
+import sys
+import time
 from itertools import count, islice
+from pathlib import Path
 
 import pytest
 
-from jobs import CannotBegin, DieOnce, Fail, Interrupted, Square
+from jobs import CannotBegin, DieOnce, Fail, Interrupted, Square, Threads
 from proxnav.cluster.local import in_order, run_jobs
 from proxnav.errors import InputError
 
@@ -37,3 +43,41 @@ def test_a_job_that_cannot_begin_says_why(workers):
 def test_workers_leave_ctrl_c_to_the_process_they_work_for():
     assert dict(run_jobs(Interrupted(), [1, 2, 3], 2)) == {1: 1, 2: 2, 3: 3}
     assert list(islice(in_order(Interrupted(), count(), 1, ahead=2), 3)) == [0, 1, 2]
+
+
+def test_a_worker_has_one_thread_and_this_process_keeps_its_own(monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    monkeypatch.delenv("OPENCV_FOR_THREADS_NUM", raising=False)
+    assert dict(run_jobs(Threads(), [1, 2], 2)) == {1: (1, "1"), 2: (1, "1")}
+    assert "OPENBLAS_NUM_THREADS" not in os.environ
+
+
+def test_workers_end_with_a_process_that_is_killed(tmp_path):
+    program = f"""
+import os, signal
+from pathlib import Path
+from jobs import LeaveName
+from proxnav.cluster.local import run_jobs
+
+if __name__ == "__main__":
+    for _ in run_jobs(LeaveName(Path({str(tmp_path)!r})), [1, 2, 3, 4], 2):
+        os.kill(os.getpid(), signal.SIGKILL)
+"""
+    (tmp_path / "program.py").write_text(program)
+    places = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2] / "src")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
+    ended = subprocess.run([sys.executable, str(tmp_path / "program.py")], env=environment)
+    assert ended.returncode == -signal.SIGKILL
+    workers = [int(path.name) for path in tmp_path.iterdir() if path.name.isdigit()]
+    assert workers
+    deadline = time.monotonic() + 30.0
+    while any(map(is_running, workers)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(is_running, workers))
+
+
+def is_running(pid: int) -> bool:
+    try:
+        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False

@@ -3,11 +3,14 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
+
+from proxnav.cluster.threads import one_thread_each
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -30,6 +33,13 @@ def run_jobs(
         for item in items:
             yield item, job(item)
         return
+    yield from run_in_processes(make_job, items, workers)
+
+
+def run_in_processes(
+    make_job: Callable[[], Callable[[Item], Result]], items: Sequence[Item], workers: int
+) -> Iterator[tuple[Item, Result]]:
+    """As `run_jobs`, with a process of its own for a single worker too."""
     waiting, restarts = list(reversed(items)), 0
     while waiting:
         running: dict[Future[Result], Item] = {}
@@ -55,7 +65,7 @@ def in_order(
     pending: deque[Future[Result]] = deque()
     try:
         for item in items:
-            pending.append(pool.submit(_call, item))
+            pending.append(_submit(pool, item))
             if len(pending) > ahead:
                 yield pending.popleft().result()
         while pending:
@@ -72,7 +82,7 @@ def _drain(
     try:
         while waiting or running:
             while waiting and len(running) < _AHEAD * workers:
-                running[pool.submit(_call, waiting[-1])] = waiting[-1]
+                running[_submit(pool, waiting[-1])] = waiting[-1]
                 waiting.pop()
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 result = future.result()
@@ -91,6 +101,7 @@ def _build(make_job: Callable[[], Callable[[Any], Any]]) -> None:
     """
     global _job
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with_parent, daemon=True).start()
     try:
         _job = make_job()
     except Exception as error:
@@ -102,10 +113,24 @@ def _build(make_job: Callable[[], Callable[[Any], Any]]) -> None:
         _job = refuse
 
 
+def _leave_with_parent() -> None:
+    """A worker holds both ends of its queue: of a process that was killed it would hear nothing, and wait for ever."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
+
+
 def _build_politely(make_job: Callable[[], Callable[[Any], Any]]) -> None:
     if hasattr(os, "nice"):
         os.nice(10)
     _build(make_job)
+
+
+def _submit(pool: ProcessPoolExecutor, item: Any) -> Future[Any]:
+    """A pool starts its processes as items come in."""
+    with one_thread_each():
+        return pool.submit(_call, item)
 
 
 def _call(item: Any) -> Any:

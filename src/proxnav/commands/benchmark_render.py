@@ -3,7 +3,7 @@
 import json
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import tyro
@@ -24,6 +24,7 @@ from proxnav.targets.loading import load_target
 class RenderBenchmarkConfig:
     """Draws the same scenes with each renderer at each size, one process, full label set and PNG included.
 
+    Every frame shows Earth: it costs both renderers the same and so holds the ratio down.
     The ratio of the rates is what counts; the rates themselves belong to this machine and its load.
     """
 
@@ -34,6 +35,8 @@ class RenderBenchmarkConfig:
     samples: int = 32
     """Cycles: samples per pixel."""
     seed: int = 0
+    dry_run: bool = False
+    """Only say what time and disk it would take, tried on a little of it."""
     json: bool = False
     """Print JSON instead of a table."""
     out: Path | None = None
@@ -45,6 +48,9 @@ def main(argv: list[str]) -> None:
     config = tyro.cli(RenderBenchmarkConfig, args=argv, prog="proxnav benchmark render")
     if config.frames < 1 or not config.sizes:
         raise InputError("--frames must be at least 1 and --sizes name at least one side")
+    if config.dry_run:
+        print(dry_run(config))
+        return
     rows = []
     with progress("frames", 2 * len(config.sizes)) as done:
         for size in config.sizes:
@@ -62,7 +68,8 @@ def main(argv: list[str]) -> None:
 def _rate(renderer: Renderer, size: int, config: RenderBenchmarkConfig) -> float:
     """Labelled images per second, written as PNG."""
     preset = presets.preset("observation-10-100m")
-    scenes = draw_scenes(preset, config.frames + 2, config.seed, size)
+    in_view = replace(preset, scenes=replace(preset.scenes, earth_share=1.0))
+    scenes = draw_scenes(in_view, config.frames + 2, config.seed, size)
     make = FrameJob(preset.target, FrameConfig(renderer, config.samples))()
     with tempfile.TemporaryDirectory() as folder:
         writer = DatasetWriter(Path(folder) / "set")
@@ -78,6 +85,18 @@ def _rate(renderer: Renderer, size: int, config: RenderBenchmarkConfig) -> float
         for scene in scenes[2:]:
             draw(scene)
         return config.frames / (time.perf_counter() - start)
+
+
+def dry_run(config: RenderBenchmarkConfig) -> str:
+    """Each renderer at each size, measured on three frames."""
+    from proxnav.commands.dry_run import Estimate, of_rendering
+
+    total, preset = Estimate(0.0, 0.0), presets.preset("observation-10-100m")
+    for size in config.sizes:
+        scenes = draw_scenes(preset, config.frames + 2, config.seed, size)
+        for renderer in ("raycast", "cycles"):
+            total += of_rendering(scenes, FrameConfig(renderer, config.samples), 1)
+    return Estimate(total.seconds, 2e3).text(f"{2 * len(config.sizes)} series of {config.frames} frames")
 
 
 def _table(rows: list[dict[str, float]], samples: int) -> str:

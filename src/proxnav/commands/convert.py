@@ -7,8 +7,10 @@ from typing import Annotated, Literal
 import tyro
 
 from proxnav.commands.flight_csv import Craft, flight_csv
+from proxnav.datasets.dataset import Dataset
 from proxnav.datasets.formats import READERS, WRITERS, Labels, ReadOptions, WriteOptions, read_labels, write_labels
 from proxnav.datasets.records import Trajectory
+from proxnav.datasets.shards import is_sharded, unpack_shards, write_shards
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.targets import Target
@@ -27,8 +29,8 @@ class ConvertConfig:
     source: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")]
     """A folder or file of poses, or the files of one trajectory (target first, then chaser)."""
     to: str
-    """proxnav, coco, detectron2, speed, speed+, poses, urso, krn, spnv2, spec2019, spec2021, spark, bop, bop-results;
-    trajectories: stk, ccsds, csv."""
+    """proxnav, coco, detectron2, speed, speed+, poses, urso, krn, spnv2, spec2019, spec2021, spark, bop, bop-results,
+    shards; trajectories: stk, ccsds, csv."""
     out: Path
     """Folder to write; it must be empty or absent."""
     from_: Annotated[str, tyro.conf.arg(name="from")] = "auto"
@@ -49,6 +51,8 @@ class ConvertConfig:
     """Part of the set for images that are in none, such as lightbox or train."""
     validation_share: float = 0.2
     """Part of an undivided set that becomes validation."""
+    frames_per_shard: int = 1000
+    """For --to shards."""
     skip_without_pose: bool = False
     """Leave images without a pose out."""
     flight: ReaderConfig = field(default_factory=ReaderConfig)
@@ -62,14 +66,29 @@ def main(argv: list[str]) -> None:
 
 def run(config: ConvertConfig) -> None:
     """Reads, converts, writes, and says what was written and what the format could not hold."""
-    if config.to not in (*_FLIGHTS, *WRITERS):
-        raise InputError(f"--to {config.to}: one of {', '.join((*WRITERS, *_FLIGHTS))}")
+    if config.to not in (*_FLIGHTS, *WRITERS, "shards"):
+        raise InputError(f"--to {config.to}: one of {', '.join((*WRITERS, 'shards', *_FLIGHTS))}")
     if not config.source:
         raise InputError("no SOURCE; give a data set, a file of poses, or the files of a trajectory")
-    if config.to in _FLIGHTS:
+    if config.to == "shards" or is_sharded(config.source[0]):
+        convert_shards(config)
+    elif config.to in _FLIGHTS:
         convert_flight(config)
     else:
         convert_labels(config)
+
+
+def convert_shards(config: ConvertConfig) -> None:
+    """A data set to shards, or shards to a data set."""
+    if config.out.exists() and any(config.out.iterdir()):
+        raise InputError(f"{config.out}: is not empty; give another --out")
+    if config.to == "shards":
+        index = write_shards(Dataset(config.source[0]), config.out, config.frames_per_shard)
+        print(f"{len(index)} frames in {len(index.shards)} shards in {config.out}")
+    elif config.to == "proxnav":
+        print(f"{len(unpack_shards(config.source[0], config.out))} frames in {config.out}")
+    else:
+        raise InputError(f"{config.source[0]}: shards become a data set first: --to proxnav, and that --to {config.to}")
 
 
 def convert_labels(config: ConvertConfig) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 import tyro
 
 from proxnav import presets
-from proxnav.commands.estimate import estimate_images, find_images
-from proxnav.commands.progress import progress
+from proxnav.commands.estimate import find_images, observe_images
+from proxnav.commands.progress import progress, say_when_compiling
 from proxnav.datasets.files import write_atomic
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
@@ -47,11 +47,13 @@ def run(config: DemoConfig) -> None:
         raise InputError(f"preset '{config.preset}' has no trajectory to fly; one of {with_flight}")
     estimator = PoseEstimator.load(config.model)
     scenes = follow(presets.flight(preset.trajectory), preset, config.frames, config.seed)
+    say_when_compiling("rendering")
     with progress(f"render ({config.renderer})", len(scenes)) as done:
         images = config.out / f"images-{config.renderer}"
         dataset = render(scenes, FrameConfig(config.renderer, config.samples), images, 1, done)
-    judgement = judge(estimate_images(estimator, find_images(images), dataset.camera), dataset)
-    write_run(config.out, judgement, dataset, estimator, config)
+    records, keypoints = observe_images(estimator, find_images(images), dataset.camera)
+    judgement = judge(records, dataset)
+    write_run(config.out, judgement, dataset, estimator, config, keypoints=keypoints)
     write_atomic(config.out / "report.html", report_html(config.out, f"demo: {config.preset}").encode())
     print(judgement.text())
     print(f"\nlook at {config.out / 'report.html'} and {config.out / 'overlays'}")

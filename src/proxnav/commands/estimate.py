@@ -1,5 +1,6 @@
 """`proxnav estimate`: images or a data set to poses.json."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,9 +8,12 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.commands.progress import progress
+from proxnav.cluster.jobs import POOL, check_workers
+from proxnav.commands.estimate_jobs import bad_image, estimate_anywhere, observe
+from proxnav.commands.progress import progress, say_when_compiling
 from proxnav.datasets.dataset import Dataset, read_image
 from proxnav.datasets.files import check_new_file, inside
+from proxnav.datasets.records import Keypoints
 from proxnav.datasets.speed import PoseRecord, write_poses
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
@@ -35,29 +39,53 @@ class EstimateConfig:
     """What runs the network."""
     threads: int = 0
     """For the network; 0 takes all cores."""
+    workers: int = 1
+    """Processes of one thread each; on a Ray cluster, 0 takes every processor."""
+    on: str = POOL
+    """pool (processes of this machine), ray, or ray://host:port."""
+    dry_run: bool = False
+    """Only say what time and disk it would take, tried on a little of it."""
 
 
 def main(argv: list[str]) -> None:
     """Entry of `proxnav estimate`."""
     config = tyro.cli(EstimateConfig, args=argv, prog="proxnav estimate")
+    check_workers(config.workers, config.on)
     check_new_file(config.out)
     images = find_images(config.input)
     camera = Camera.from_speed_json(str(config.camera or _camera_of(config.input)))
-    estimator = PoseEstimator.load(config.model, config.backend, config.threads)
-    records = estimate_images(estimator, images, camera)
+    if config.dry_run:
+        print(dry_run(images, camera, config))
+        return
+    found = observe_anywhere(images, camera, config.model, config.backend, config.workers, config.on, config.threads)
+    records = found[0]
     write_poses(config.out, records)
-    found = sum(record.T_cam_target is not None for record in records)
-    print(f"{found} poses from {len(records)} images in {config.out}")
+    poses = sum(record.T_cam_target is not None for record in records)
+    print(f"{poses} poses from {len(records)} images in {config.out}")
 
 
-def estimate_images(estimator: PoseEstimator, images: Sequence[Path], camera: Camera) -> list[PoseRecord]:
-    """One record per image, in order; an image that cannot be read gets the status bad_image."""
-    records = []
+def observe_anywhere(
+    images: Sequence[Path], camera: Camera, model: str, backend: Backend, workers: int, on: str, threads: int = 0
+) -> tuple[list[PoseRecord], list[Keypoints]]:
+    """One record and its keypoints per image, in order; `threads` are those of a single process."""
+    if workers == 1 and on == POOL:
+        return observe_images(PoseEstimator.load(model, backend, threads), images, camera)
+    return estimate_anywhere(images, camera, model, backend, workers, on)
+
+
+def observe_images(
+    estimator: PoseEstimator, images: Sequence[Path], camera: Camera
+) -> tuple[list[PoseRecord], list[Keypoints]]:
+    """In this process; an image that cannot be read gets the status bad_image."""
+    say_when_compiling("pose")
+    records, keypoints = [], []
     with progress("estimate", len(images)) as done:
         for path in images:
-            records.append(_estimate(estimator, path, camera))
+            record, found = _estimate(estimator, path, camera)
+            records.append(record)
+            keypoints.append(found)
             done()
-    return records
+    return records, keypoints
 
 
 def find_images(source: Path) -> list[Path]:
@@ -74,16 +102,23 @@ def find_images(source: Path) -> list[Path]:
     raise InputError(f"{source}: no such file or folder; give a data set, a folder of images or an image file")
 
 
-def _estimate(estimator: PoseEstimator, path: Path, camera: Camera) -> PoseRecord:
+def _estimate(estimator: PoseEstimator, path: Path, camera: Camera) -> tuple[PoseRecord, Keypoints]:
     try:
         image = read_image(path)
     except InputError:
-        return PoseRecord(path.name, None, "bad_image")
-    try:
-        result = estimator(image, camera)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    return PoseRecord(path.name, result.T_cam_target, result.status, result.covariance)
+        return bad_image(path.name, estimator)
+    return observe(estimator, image, camera, str(path))
+
+
+def dry_run(images: Sequence[Path], camera: Camera, config: EstimateConfig) -> str:
+    """Measured on three images after one that is not counted; a pose takes 2 kB."""
+    from proxnav.commands.dry_run import Estimate, seconds_each
+
+    threads = config.threads if config.workers == 1 else 1
+    estimator = PoseEstimator.load(config.model, config.backend, threads)
+    each = seconds_each(lambda path: _estimate(estimator, path, camera), images)
+    lanes = max(1, min(config.workers, os.cpu_count() or 1))
+    return Estimate(each * len(images) / lanes, 2e3 * len(images)).text(f"{len(images)} images")
 
 
 def _camera_of(source: Path) -> Path:

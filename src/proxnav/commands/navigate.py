@@ -1,31 +1,36 @@
 """`proxnav navigate`: sensor records to a navigation solution with covariance."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import tyro
 
-from proxnav.datasets.files import write_atomic, write_json
+from proxnav.cluster.carried import Carried
+from proxnav.cluster.jobs import POOL, check_workers, is_elsewhere
+from proxnav.commands.many_runs import Named, run_many
+from proxnav.commands.navigate_jobs import Solved, SolveJob, Solving, accuracy, solve_flight
+from proxnav.commands.progress import progress, say_when_compiling
+from proxnav.datasets.files import read_json, write_json
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.errors import NavErrors, mean_nis, nav_errors, outcomes
-from proxnav.navigation.navigator import run_filter, scene_of
-from proxnav.navigation.record_files import read_records
-from proxnav.navigation.smoother import smooth
-from proxnav.navigation.solution_files import csv_text, solution_columns
-from proxnav.navigation.truth_files import TrueStates, read_truth
 from proxnav.targets.loading import load_target
 
 
 @dataclass(frozen=True)
 class NavigateConfig:
-    """Runs the filter over a records folder: solution.csv and .parquet, summary.json, errors where truth is known."""
+    """Runs the filter over a records folder: solution.csv and .parquet, summary.json.
+
+    Where truth is known also errors, and errors.png that shows them in three standard deviations. A folder of flights
+    gives each of them, and monte_carlo.json that sums them up.
+    """
 
     records: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDS")]
-    """Folder with records.json and one csv per sensor, as `proxnav simulate` writes it."""
+    """Folder with records.json and one csv per sensor, as `proxnav simulate` writes it, or a folder of such folders."""
     out: Path | None = None
     """Folder of the solution; the records folder when not given."""
     target: str = "space-rider"
@@ -38,78 +43,111 @@ class NavigateConfig:
     """Between rows of the solution."""
     smooth: bool = False
     """Also write smoothed.csv: every state from all measurements, earlier and later."""
+    workers: int = 1
+    """Processes, for a folder of folders; on a Ray cluster, 0 takes every processor."""
+    on: str = POOL
+    """pool (processes of this machine), ray, or ray://host:port."""
+    dry_run: bool = False
+    """Only say what time and disk it would take, tried on one flight."""
     filter: NavigationConfig = field(default_factory=NavigationConfig)
 
 
 def main(argv: list[str]) -> None:
     """Entry of `proxnav navigate`."""
     config = tyro.cli(NavigateConfig, args=argv, prog="proxnav navigate")
+    check_workers(config.workers, config.on)
     if not config.step_s > 0.0:
         raise InputError(f"--step-s must be positive, found {config.step_s:g}")
+    camera = None if config.camera is None else Camera.from_speed_json(str(config.camera))
+    keypoints_m = load_target(config.target).keypoints_m
+    how = Solving(keypoints_m, camera, config.truth, config.step_s, config.smooth, config.filter)
+    flights = flights_in(config.records)
+    if config.dry_run:
+        print(dry_run(flights or [config.records], how, config.workers))
+    elif flights:
+        _solve_many(flights, how, config)
+    else:
+        _solve_one(how, config)
+
+
+def flights_in(folder: Path) -> list[Path]:
+    """The records folders of a folder that is none itself, by name."""
+    if (folder / "records.json").exists() or not folder.is_dir():
+        return []
+    return sorted(path.parent for path in folder.glob("*/records.json"))
+
+
+def _solve_one(how: Solving, config: NavigateConfig) -> None:
+    say_when_compiling("navigation")
     out = config.out or config.records
-    camera = Camera.from_speed_json(str(config.camera or config.records / "camera.json"))
-    read = read_records(config.records)
-    scene = scene_of(read.records, load_target(config.target).keypoints_m, camera, config.filter)
-    frames = read.records.keypoints or read.records.poses
-    assert frames is not None
-    times = np.arange(frames.t.min(), frames.t.max() + config.step_s, config.step_s)
-    truth = _truth(config)
-    if truth is not None:
-        times = times[(times >= truth.t[0]) & (times <= truth.t[-1])]
-    states, judged, last = run_filter(read.records, scene, times)
-    errors = nav_errors(states, truth.at(times)) if truth is not None else None
-    _write(out, "solution", solution_columns(states, errors))
-    if config.smooth:
-        smoothed = smooth(read.records, scene)
-        inside = [s for s in smoothed if truth is None or truth.t[0] <= s.t <= truth.t[-1]]
-        at = np.array([s.t for s in inside])
-        _write(
-            out, "smoothed", solution_columns(inside, nav_errors(inside, truth.at(at)) if truth is not None else None)
-        )
-    summary = {"rejected_rows": read.rejected, "readings": outcomes(judged), "starts": last.starts,
-               "mean_nis": {kind: value for kind, (value, _) in mean_nis(judged, times[0] + 60.0).items()}}  # fmt: skip
-    summary |= _accuracy(errors) if errors is not None else {}
-    write_json(out / "summary.json", summary, indent=1)
-    _say(out, states, read.rejected, last.starts, errors)
+    with ExitStack() as stack:
+        solved = solve_flight(config.records, how, out, lambda total: stack.enter_context(progress("navigate", total)))
+    _say(out, solved)
 
 
-def _truth(config: NavigateConfig) -> TrueStates | None:
+def _solve_many(flights: Sequence[Path], how: Solving, config: NavigateConfig) -> None:
     if config.truth is not None:
-        return read_truth(config.truth)
-    beside = config.records / "truth.csv"
-    return read_truth(beside) if beside.is_file() else None
+        raise InputError("--truth is of one flight; each of several has its own truth.csv beside its records")
+    say_when_compiling("navigation")
+    out = config.out or config.records
+    runs = [(flight.name, flight) for flight in flights]
+    run_many(
+        "navigate",
+        SolveJob(how),
+        runs,
+        replace(config, out=out),
+        "summary.json",
+        _sent if is_elsewhere(config.on) else None,
+    )
+    found = sums([read_json(out / name / "summary.json", "the summary of a flight") for name, _ in runs])
+    write_json(out / "monte_carlo.json", found, indent=1)
+    print(f"{found['flights']} flights in {out}, {found['starts']} starts")
+    if "rms_position_m" in found:
+        position, turn = found["rms_position_m"], found["rms_attitude_deg"]
+        honest = (
+            f"inside 3 sigma {100 * found['inside_3_sigma']:.1f} %, mean NEES of 12: {found['mean_nees_of_12']:.1f}"
+        )
+        print(f"second half: position {position:.3f} m, attitude {turn:.3f} deg RMS; {honest}")
 
 
-def _write(out: Path, name: str, table: dict[str, list]) -> None:
-    """Csv always, parquet where pyarrow is installed."""
-    write_atomic(out / f"{name}.csv", csv_text(table).encode())
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError:
-        print(f"{name}.parquet not written: pyarrow is not installed (pip install pyarrow)")
-        return
-    parquet.write_table(pyarrow.table(table), out / f"{name}.parquet")
+def _sent(run: Named) -> Named:
+    return run[0], Carried.of(run[1])
 
 
-def _accuracy(errors: NavErrors) -> dict[str, Any]:
-    """Root mean squares over the second half, when the filter has settled, and honesty over all of it."""
-    settled = errors.t >= 0.5 * (errors.t[0] + errors.t[-1])
-    rms = np.sqrt(np.nanmean(errors.errors[settled] ** 2, axis=0))
-    return {
-        "rms_position_m": rms[:3].tolist(), "rms_velocity_mps": rms[3:6].tolist(),
-        "rms_attitude_deg": np.rad2deg(rms[6:9]).tolist(), "mean_nees_of_12": float(np.nanmean(errors.nees)),
-        "inside_3_sigma": float(np.nanmean(errors.inside_3_sigma)),
-    }  # fmt: skip
+def sums(summaries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Over the flights of which the truth is known: root mean squares [m, deg] of norms, means of the rest."""
+    known = [s for s in summaries if s.get("rms_position_m") is not None]
+    found: dict[str, Any] = {"flights": len(summaries), "with_truth": len(known)}
+    found["starts"] = sum(s["starts"] for s in summaries)
+    for name in ("rms_position_m", "rms_velocity_mps", "rms_attitude_deg"):
+        if known:
+            norms = np.linalg.norm(np.array([s[name] for s in known], dtype=np.float64), axis=1)
+            found[name] = float(np.sqrt(np.nanmean(norms**2)))
+            found[name.replace("rms", "p95")] = float(np.nanpercentile(norms, 95))
+    for name in ("mean_nees_of_12", "inside_3_sigma"):
+        if known:
+            found[name] = float(np.nanmean(np.array([s[name] for s in known], dtype=np.float64)))
+    return found
 
 
-def _say(out: Path, states: list, rejected: Any, starts: int, errors: NavErrors | None) -> None:
-    known = [state for state in states if state is not None]
-    print(f"{len(known)} states of {len(states)} in {out / 'solution.csv'}; the filter started {starts} time(s)")
-    for name, reasons in rejected.items():
+def dry_run(flights: Sequence[Path], how: Solving, workers: int) -> str:
+    """Measured on the first flight."""
+    from proxnav.commands.dry_run import of_runs
+
+    estimate = of_runs(lambda folder: solve_flight(flights[0], how, folder), len(flights), workers)
+    return estimate.text(f"{len(flights)} flight(s)")
+
+
+def _say(out: Path, solved: Solved) -> None:
+    known = [state for state in solved.states if state is not None]
+    print(
+        f"{len(known)} states of {len(solved.states)} in {out / 'solution.csv'}; "
+        f"the filter started {solved.starts} time(s)"
+    )
+    for name, reasons in solved.rejected.items():
         print(f"{name}.csv: left out {', '.join(f'{count} rows {reason}' for reason, count in reasons.items())}")
-    if errors is not None and len(known):
-        found = _accuracy(errors)
+    if solved.errors is not None and len(known):
+        found = accuracy(solved.errors)
         position, turn = np.linalg.norm(found["rms_position_m"]), np.linalg.norm(found["rms_attitude_deg"])
         print(f"second half: position {position:.3f} m, attitude {turn:.3f} deg RMS; "
               f"inside 3 sigma {100 * found['inside_3_sigma']:.1f} %")  # fmt: skip

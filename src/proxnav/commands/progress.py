@@ -1,9 +1,11 @@
 """One progress line for every slow command: done, rate, time left; plain text when the output is no terminal."""
 
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -37,17 +39,35 @@ def _bar() -> Progress:
 
 
 def _plain(job: str, total: int) -> Callable[[], None]:
-    """Lines on stderr, at most one every half minute and one at the end."""
-    start, said, done = time.monotonic(), time.monotonic(), 0
+    """Lines on stderr, at most one every half minute and one at the end.
+
+    The time left follows from the items after the first, which may have compiled kernels or started a renderer.
+    """
+    start = first = said = time.monotonic()
+    done = 0
 
     def advance() -> None:
-        nonlocal said, done
+        nonlocal first, said, done
         done += 1
         now = time.monotonic()
+        first = now if done == 1 else first
         if done < total and now - said < _PLAIN_EVERY_S:
             return
         said = now
-        left = (total - done) * (now - start) / done
-        print(f"{job}: {done}/{total}, {done / max(now - start, 1e-9):.2f}/s, {left:.0f} s left", file=sys.stderr)
+        if done == total:
+            text = f"in {now - start:.0f} s"
+        elif done == 1:
+            text = f"the first took {now - start:.0f} s"
+        else:
+            each = max(now - first, 1e-9) / (done - 1)
+            text = f"{1.0 / each:.2f}/s, {(total - done) * each:.0f} s left"
+        print(f"{job}: {done}/{total}, {text}", file=sys.stderr)
 
     return advance
+
+
+def say_when_compiling(room: str) -> None:
+    """One line on stderr where the room's kernels were never compiled here: the first run is silent for a while."""
+    folder = Path(__file__).parents[1] / room
+    if not os.environ.get("NUMBA_CACHE_DIR") and next(folder.rglob("*.nbi"), None) is None:
+        print(f"first use: compiling the kernels of {room}, once; this takes half a minute or more", file=sys.stderr)

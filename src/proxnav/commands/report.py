@@ -9,10 +9,10 @@ import tyro
 
 @dataclass(frozen=True)
 class ReportConfig:
-    """Writes one HTML file, readable without network, of a run folder of `demo` or `benchmark table1`."""
+    """Writes one HTML file, readable without network, of a run folder of `demo`, `benchmark table1` or `navigate`."""
 
     run: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
-    """Folder with poses.json, truth.json and metrics.json; overlays/ and config.json are shown where they are there."""
+    """Folder with poses.json, truth.json and metrics.json, or with solution.csv; what else it holds is shown."""
     out: Path | None = None
     """File to write; report.html in the run folder when not given."""
     title: str = ""

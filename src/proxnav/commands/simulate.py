@@ -1,24 +1,28 @@
 """`proxnav simulate`: sensor records along a trajectory, on truth that no filter knows."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import tyro
 
 from proxnav import presets
-from proxnav.datasets.files import write_json
+from proxnav.cluster.jobs import POOL, check_workers
+from proxnav.commands.estimate_jobs import carried_model
+from proxnav.commands.many_runs import run_many, single
+from proxnav.commands.simulate_jobs import Flight, FlightJob, write_flight
 from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
-from proxnav.geometry.camera_files import speed_json
-from proxnav.navigation.record_files import write_records
-from proxnav.navigation.simulate import SensingConfig, SimulationConfig, simulate
+from proxnav.navigation.simulate import SensingConfig
 from proxnav.navigation.truth import TruthConfig
-from proxnav.navigation.truth_files import true_states, write_truth
 from proxnav.targets.loading import load_target
 from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.selection import select
+
+_TRIED_S = 20.0
+"""Of a flight, to say how long all of it would take."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,7 @@ class SimulateConfig:
     preset: str = "spiral-10-100m"
     """spiral-10-100m, approach-100-10m, hold-30m or spiral-200-350m."""
     trajectory: tuple[Path, ...] = ()
-    """Trajectory file(s) in place of the preset: STK .e/.a/csv, MATLAB csv, Basilisk csv, CCSDS OEM/AEM."""
+    """Files in place of the preset, docs/trajectories.md."""
     reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What the trajectory files do not say themselves."""
     target: str = "space-rider"
@@ -41,6 +45,17 @@ class SimulateConfig:
     """How long; to the end when not given."""
     seed: int = 0
     """Same seed, same records."""
+    camera: Literal["model", "raycast"] = "model"
+    """model: by statistics; raycast: closed loop."""
+    estimator: str = "space-rider"
+    """Closed loop: model."""
+    runs: int = 1
+    """Flights of as many seeds from --seed on; more than one go into OUT/SEED each."""
+    workers: int = 1
+    on: str = POOL
+    """pool (processes of this machine), ray, or ray://host:port."""
+    dry_run: bool = False
+    """Only say what time and disk it would take, tried on a little of it."""
     truth: TruthConfig = field(default_factory=TruthConfig)
     sensing: SensingConfig = field(default_factory=SensingConfig)
 
@@ -48,18 +63,52 @@ class SimulateConfig:
 def main(argv: list[str]) -> None:
     """Entry of `proxnav simulate`."""
     config = tyro.cli(SimulateConfig, args=argv, prog="proxnav simulate")
+    check_workers(config.workers, config.on)
+    if config.runs < 1 or config.seed < 0:
+        raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
     reference = cut(_reference(config), config.start_s, config.duration_s)
-    camera, target = presets.NAVIGATION_CAMERA, load_target(config.target)
-    simulation = SimulationConfig(config.truth, config.sensing)
-    truth, records = simulate(reference, target, camera, simulation, np.random.default_rng(config.seed))
-    write_records(config.out, records)
-    every = max(1, round(1.0 / truth.step_s))
-    write_truth(config.out / "truth.csv", true_states(truth, every))
-    write_json(config.out / "camera.json", speed_json(camera), indent=1)
+    target = load_target(config.target)
+    flight = Flight(reference, target, config.camera, config.estimator, config.truth, config.sensing)
+    if config.dry_run:
+        print(dry_run(flight, config))
+        return
+    if config.runs > 1:
+        _fly_many(flight, config)
+        return
+    truth, records = flight.fly(config.seed)
+    write_flight(config.out, truth, records, config)
     ranges = np.linalg.norm(truth.relative[0], axis=1)
     frames = 0 if records.keypoints is None else len(records.keypoints.t)
     span = f"{truth.t[-1] - truth.t[0]:.0f} s at {ranges.min():.1f} to {ranges.max():.1f} m"
     print(f"{span}, {frames} frames in {config.out}")
+
+
+def _fly_many(flight: Flight, config: SimulateConfig) -> None:
+    seeds = range(config.seed, config.seed + config.runs)
+    runs = [(f"{seed:05d}", single(config, f"{seed:05d}", seed=seed, runs=1)) for seed in seeds]
+    run_many(
+        "simulate", FlightJob(flight, carried_model(config.estimator, config.on)), runs, config, last="config.json"
+    )
+    print(f"{config.runs} flights of {reference_s(flight.reference):.0f} s in {config.out}")
+
+
+def dry_run(flight: Flight, config: SimulateConfig) -> str:
+    """Measured on 20 s of the flight; every second of every flight counts the same."""
+    from proxnav.commands.dry_run import of_runs
+
+    piece = replace(flight, reference=cut(flight.reference, float(flight.reference.t[0]), _TRIED_S))
+    share = reference_s(flight.reference) / reference_s(piece.reference)
+
+    def try_one(folder: Path) -> None:
+        write_flight(folder, *piece.fly(config.seed), config)
+
+    estimate = of_runs(try_one, share * config.runs, config.workers)
+    return estimate.text(f"{config.runs} flight(s) of {reference_s(flight.reference):.0f} s")
+
+
+def reference_s(reference: Trajectory) -> float:
+    """How long it lasts."""
+    return float(reference.t[-1] - reference.t[0])
 
 
 def cut(reference: Trajectory, start_s: float, duration_s: float | None) -> Trajectory:

@@ -1,6 +1,8 @@
 """`proxnav target`: look at a target, or make one from a mesh file."""
 
-from dataclasses import dataclass
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -32,7 +34,7 @@ class New:
     out: Path
     """Folder for target.json, mesh.npz and preview.png."""
     unit: str | None = None
-    """The file's unit: m, dm, cm, mm, in, ft, or metres per unit as a number."""
+    """The file's unit: m, dm, cm, mm, in, ft, or metres per unit as a number; asked for at a terminal, else metres."""
     length_m: float | None = None
     """True length of the spacecraft's largest extent [m], in place of the unit."""
     up: str | None = None
@@ -58,21 +60,24 @@ def main(argv: list[str]) -> None:
 
 def show(config: Show) -> None:
     """Prints and draws an existing target."""
+    from proxnav.commands.target_accuracy import accuracy_table
     from proxnav.targets.loading import load_target
 
     target = load_target(config.target)
     print(description(target))
+    print(accuracy_table(target))
     if config.out is not None:
         draw(target, config.out, config.size)
 
 
 def new(config: New) -> None:
     """Makes a target, writes it, and says what deserves a second look."""
-    from proxnav.targets.from_mesh import from_mesh, isolated_parts
-    from proxnav.targets.keypoints import near_symmetries
+    from proxnav.commands.target_accuracy import accuracy_table
+    from proxnav.targets.from_mesh import from_mesh
     from proxnav.targets.loading import save_target
     from proxnav.targets.points import load_points
 
+    config = asked(config)
     target = from_mesh(
         config.file,
         unit_m=unit_in_metres(config.unit),
@@ -87,12 +92,46 @@ def new(config: New) -> None:
     path = save_target(target, config.out)
     print(description(target))
     draw(target, config.out / "preview.png", 480)
-    for part in isolated_parts(target):
-        print(f"look: part '{part}' lies far from the rest; leave it out with --without {part}")
-    for turn in near_symmetries(target, np.random.default_rng(0)):
-        print(f"look: nearly unchanged by a turn of {turn.angle_deg:.0f} deg about its {turn.axis} ({turn.gap:.1%} of")
-        print("      the radius): a network may confuse the two poses unless materials tell them apart")
+    for sentence in second_looks(target):
+        print(f"look: {sentence}")
+    print(accuracy_table(target))
     print(f"target in {path}; use it with --target {config.out}")
+
+
+def second_looks(target: Target) -> Iterator[str]:
+    """What deserves a second look: stray parts, turns that a network may confuse, weak keypoints."""
+    from proxnav.targets.from_mesh import isolated_parts
+    from proxnav.targets.keypoint_quality import complaints, mistaken
+    from proxnav.targets.keypoints import near_symmetries
+
+    for part in isolated_parts(target):
+        yield f"part '{part}' lies far from the rest; leave it out with --without {part}"
+    for turn in near_symmetries(target, np.random.default_rng(0)):
+        pairs = mistaken(target, turn)
+        yield (
+            f"nearly unchanged by a turn of {turn.angle_deg:.0f} deg about its {turn.axis} (within {turn.gap:.1%} of "
+            "the radius): a network may confuse the two poses unless materials tell them apart"
+            + (f"; it would take {', '.join(pairs)}" if pairs else "")
+        )
+    yield from complaints(target)
+
+
+def asked(config: New) -> New:
+    """With the unit from the keyboard where neither unit nor length was given and somebody sits at it."""
+    from proxnav.targets.from_mesh import UNITS_M, file_extents
+
+    if config.unit is not None or config.length_m is not None or not sys.stdin.isatty():
+        return config
+    extents = file_extents(config.file, config.without)
+    largest = max(extents)
+    print(f"{config.file}: {' x '.join(f'{v:.4g}' for v in extents)} units; its largest extent would be")
+    for unit, metres in UNITS_M.items():
+        print(f"  {unit:>3}: {largest * metres:.4g} m")
+    answer = input("unit (m, dm, cm, mm, in, ft), or the true length of the largest extent, such as 13.2 m: ").strip()
+    length = answer.removesuffix("m").strip()
+    if answer.endswith("m") and answer not in UNITS_M and length.replace(".", "", 1).isdigit():
+        return replace(config, length_m=float(length))
+    return replace(config, unit=answer)
 
 
 def unit_in_metres(unit: str | None) -> float | None:

@@ -1,13 +1,16 @@
 """`proxnav train export`: trained networks as a model folder that runs without torch, its covariances calibrated."""
 
+import math
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import tyro
+from scipy.optimize import root_scalar
 
 from proxnav import presets
 from proxnav.commands.progress import progress
+from proxnav.crops import BEHIND_M
 from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
 from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
 from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
@@ -15,12 +18,13 @@ from proxnav.detection.training.files import load_weights
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator, write_model_card
 from proxnav.evaluation.consistency import nees
-from proxnav.evaluation.pairing import difference
 from proxnav.frames import FrameConfig, FrameJob
+from proxnav.geometry.perturbation import difference
 from proxnav.pipeline import draw_scenes
-from proxnav.targets.loading import load_target
+from proxnav.targets.loading import GENERATED, load_target, save_target
 
 _CALIBRATION_SEED = 8_000_001
+_EMPTY_SEED = 8_000_003
 _FEWEST = 50
 _KEPT = 0.98  # beyond this quantile an error is a confusion, which no scale should cover: it counts as the quantile
 
@@ -41,10 +45,10 @@ class ExportConfig:
     finder_side: int = 256
     net: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
     """Of the crop network, as it was trained."""
-    least_median_score: float = 0.92
-    """Median keypoint score below which an image shows no target; docs/heatmap.md says how it was chosen."""
+    least_median_score: float | None = None
+    """Median keypoint score below which an image shows no target; measured on frames without one when not given."""
     calibration: int = 300
-    """Fresh ray-cast frames on which the covariances are scaled."""
+    """Fresh ray-cast frames on which the covariances are scaled; a third as many show no target."""
 
 
 def main(argv: list[str]) -> None:
@@ -56,8 +60,7 @@ def main(argv: list[str]) -> None:
     load_weights(net, config.crop)
     finder = FinderNet(FinderConfig())
     load_weights(finder, config.finder)
-    outputs = ("points", "scores", "covariances", "shown")
-    export(ReadKeypoints(net), outputs, config.side, config.out, "crop")
+    export(ReadKeypoints(net), ReadKeypoints.OUTPUTS, config.side, config.out, "crop")
     export(FindTarget(finder), ("probability",), config.finder_side, config.out, "finder")
     card = {
         "detector": "heatmap",
@@ -65,27 +68,54 @@ def main(argv: list[str]) -> None:
         "keypoint_names": list(target.keypoint_names),
         "keypoints_m": target.keypoints_m.tolist(),
         "settings": {"crop_side": config.side, "finder_side": config.finder_side, "spread_scale": 1.0},
-        "least_median_score": config.least_median_score,
+        "least_median_score": 0.0,
         "network": asdict(shape),
     }
     write_model_card(config.out, card)
-    scale = calibrate(config)
+    estimator = PoseEstimator.load(str(config.out))
+    least = without_target(config, estimator) if config.least_median_score is None else config.least_median_score
+    scale = calibrate(config, replace(estimator, least_median_score=least))
     card["settings"]["spread_scale"] = round(scale, 4)
+    card["least_median_score"] = round(least, 4)
+    card["alignment"] = {"covariance_scale": 1.0}
+    if target.name not in GENERATED:
+        save_target(target, config.out / "target")
     write_model_card(config.out, card)
-    print(f"{config.out}: covariances scaled by {scale:.3f} (standard deviation)")
+    card["alignment"] = {"covariance_scale": round(calibrate_alignment(config), 3)}
+    write_model_card(config.out, card)
+    print(f"{config.out}: covariances scaled by {scale:.3f} (standard deviation), least median score {least:.3f}")
 
 
-def calibrate(config: ExportConfig) -> float:
+def without_target(config: ExportConfig, estimator: PoseEstimator) -> float:
+    """Just above the best median score that passes for a pose in frames of sky and Earth alone; 0 where none does.
+
+    Consensus is no proof of a target: what tells it apart is how sure the keypoints are, and networks differ in that.
+    """
+    best, scenes = 0.0, draw_scenes(_preset(config), max(1, config.calibration // 3), _EMPTY_SEED)
+    make = FrameJob(config.target, FrameConfig("raycast"))()
+    with progress("frames without a target", len(scenes)) as done:
+        for scene in scenes:
+            image = make(replace(scene, t_cam_target_m=BEHIND_M)).image
+            keypoints, result = estimator.observe(image, scene.camera)
+            if result.T_cam_target is not None:
+                best = max(best, keypoints.median_score)
+            done()
+    return min(best + 0.01, 0.99) if best > 0.0 else 0.0
+
+
+def _preset(config: ExportConfig) -> presets.Preset:
+    return replace(presets.preset("observation-10-100m"), target=config.target)
+
+
+def calibrate(config: ExportConfig, estimator: PoseEstimator) -> float:
     """Factor on the claimed standard deviations that makes the mean NEES of poses from fresh frames that of 6 normals.
 
     Errors of neighbouring keypoints are alike, so that a pose is less certain than its keypoints one by one: the scale
     has to come from poses.
     """
-    estimator = PoseEstimator.load(str(config.out))
-    preset = replace(presets.preset("observation-10-100m"), target=config.target)
     make, found = FrameJob(config.target, FrameConfig("raycast"))(), []
     with progress("calibrate", config.calibration) as done:
-        for scene in draw_scenes(preset, config.calibration, _CALIBRATION_SEED):
+        for scene in draw_scenes(_preset(config), config.calibration, _CALIBRATION_SEED):
             result = estimator(make(scene).image, scene.camera)
             if result.T_cam_target is not None and result.covariance is not None:
                 found.append(nees(difference(result.T_cam_target, scene.T_cam_target), result.covariance))
@@ -95,3 +125,30 @@ def calibrate(config: ExportConfig) -> float:
             f"{len(found)} of {config.calibration} frames gave a pose, calibration needs {_FEWEST}: train on"
         )
     return float(np.sqrt(np.mean(np.minimum(found, np.quantile(found, _KEPT))) / 6.0))
+
+
+def calibrate_alignment(config: ExportConfig) -> float:
+    """Factor on the outline's covariance that makes the mean NEES of aligned poses that of 6 normals.
+
+    The poses' other part, the spread of rival poses, is left as it is; errors beyond a quantile count as the quantile.
+    """
+    estimator = PoseEstimator.load(str(config.out))
+    make, found = FrameJob(config.target, FrameConfig("raycast"))(), []
+    with progress("calibrate the alignment", config.calibration) as done:
+        for scene in draw_scenes(_preset(config), config.calibration, _CALIBRATION_SEED):
+            aligned = estimator.alignment_of(make(scene).image, scene.camera)
+            if aligned is not None:
+                spread = aligned.covariance - aligned.outline_covariance
+                found.append((difference(aligned.T_cam_target, scene.T_cam_target), aligned.outline_covariance, spread))
+            done()
+    if len(found) < _FEWEST:
+        raise InputError(f"{len(found)} of {config.calibration} frames gave a pose, calibration needs {_FEWEST}")
+
+    def excess(log_scale: float) -> float:
+        each = [nees(d, np.exp(log_scale) * outline + spread) for d, outline, spread in found]
+        return float(np.mean(np.minimum(each, np.quantile(each, _KEPT)))) - 6.0
+
+    low, high = 0.0, float(np.log(1e4))
+    if excess(low) <= 0.0 or excess(high) >= 0.0:
+        return math.exp(low if excess(low) <= 0.0 else high)
+    return math.exp(root_scalar(excess, bracket=(low, high)).root)

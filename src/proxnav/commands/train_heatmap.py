@@ -19,7 +19,7 @@ from proxnav.detection.heatmap.train import (
     train_finder,
     train_heatmap,
 )
-from proxnav.detection.samples import TrainingSample
+from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.errors import InputError
 from proxnav.targets.loading import load_target
 
@@ -44,6 +44,8 @@ class TrainCropOptions:
     """Of the scenes."""
     validation: int = 256
     """Crops that are kept aside."""
+    dry_run: bool = False
+    """Only say what time and disk it would take, tried on a little of it."""
     training: TrainHeatmapConfig = field(default_factory=TrainHeatmapConfig)
 
 
@@ -63,6 +65,8 @@ class TrainFinderOptions:
     """Times that a drawn image is learnt from, each time as another view."""
     seed: int = 2
     """Of the scenes."""
+    dry_run: bool = False
+    """Only say what time and disk it would take, tried on a little of it."""
     training: TrainFinderConfig = field(default_factory=TrainFinderConfig)
 
 
@@ -72,6 +76,9 @@ def crop(argv: list[str]) -> None:
     _check_side(options.side)
     crops = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
     training = _for_target(options.training, options.target)
+    if options.dry_run:
+        print(dry_run(CropJob(crops), training, train_heatmap, options))
+        return
     write_json(options.out / "config.json", run_record(options), indent=1)
     validate = _validation(replace(crops, seed=_VALIDATION_SEED, scenes=presets.OBSERVATION), options.validation)
     source = sample_source(CropJob(crops), options.workers, options.repeats)
@@ -83,11 +90,32 @@ def finder(argv: list[str]) -> None:
     """Entry of `proxnav train finder`."""
     options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
     _check_side(options.side)
-    write_json(options.out / "config.json", run_record(options), indent=1)
     frames = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
+    if options.dry_run:
+        print(dry_run(WholeFrameJob(frames), options.training, train_finder, options))
+        return
+    write_json(options.out / "config.json", run_record(options), indent=1)
     source = sample_source(WholeFrameJob(frames), options.workers, options.repeats)
     result = train_finder(options.training, source, options.out)
     print(f"{result.reason}: {result.samples} frames seen; {result.weights}")
+
+
+def dry_run(
+    job: Callable,
+    training: TrainHeatmapConfig | TrainFinderConfig,
+    train: Callable,
+    options: TrainCropOptions | TrainFinderOptions,
+) -> str:
+    """Drawing and learning, each measured on a few samples."""
+    from proxnav.commands.dry_run import of_training
+
+    loop = training.loop
+
+    def learn(source: SampleSource, folder: Path, steps: int) -> None:
+        train(replace(training, loop=replace(loop, steps=steps, log_every=1)), source, folder)
+
+    estimate = of_training(job, learn, loop.steps, loop.batch_size, options.workers, options.repeats)
+    return estimate.text(f"{loop.steps} steps of {loop.batch_size} samples")  # fmt: skip
 
 
 def _check_side(side: int) -> None:

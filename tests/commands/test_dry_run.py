@@ -1,0 +1,76 @@
+"""Long jobs say what they would take, and leave nothing behind."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from proxnav.cli import main
+from proxnav.commands.dry_run import Estimate, duration, size
+
+
+def test_estimates_read_well_and_add_up() -> None:
+    total = Estimate(40.0, 1e6) + Estimate(80.0, 2e9)
+    assert total.text("it") == "dry run: it would take about 2.0 min and 2.0 GB of disk here"
+    assert [duration(s) for s in (0.4, 99.0, 7300.0)] == ["0.4 s", "99 s", "2.0 h"]
+    assert [size(b) for b in (10.0, 9.6e5, 1e9)] == ["0.0 kB", "960 kB", "1.0 GB"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frames", [4, 4000])
+def test_rendering_is_estimated_in_proportion_and_writes_nothing(frames: int, tmp_path: Path, capsys) -> None:
+    words = ["--renderer", "raycast", "--size", "64", "--frames", str(frames), "--out", str(tmp_path / "set")]
+    assert main(["render", *words, "--dry-run"]) == 0
+    said = re.search(
+        rf"{frames} frames would take about ([\d.]+) (s|min|h) and ([\d.]+) (kB|MB)", capsys.readouterr().out
+    )
+    assert said is not None
+    assert not (tmp_path / "set").exists()
+    disk = float(said[3]) * {"kB": 1e3, "MB": 1e6}[said[4]]
+    assert 2e3 < disk / frames < 40e3  # bytes of a frame of 64 px with its mask and label
+
+
+@pytest.mark.slow
+def test_training_is_estimated_and_writes_nothing(tmp_path: Path, capsys) -> None:
+    pytest.importorskip("torch", reason="torch is not installed (pip install 'proxnav[train]')")
+    words = ["--side", "64", "--out", str(tmp_path / "run"), "--training.loop.steps", "50"]
+    assert main(["train", "finder", *words, "--training.loop.batch-size", "2", "--dry-run"]) == 0
+    assert "50 steps of 2 samples would take about" in capsys.readouterr().out
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["benchmark", "latency", "--reference-frames", "0", "--models", "space-rider-fast"],
+        ["benchmark", "conditions", "--model", "space-rider-fast"],
+        ["benchmark", "detector", "--model", "space-rider-fast", "--step-s", "400"],
+        ["benchmark", "scale", "--size", "64"],
+        ["simulate", "--preset", "approach-100-10m", "--runs", "1000"],
+    ],
+)
+def test_what_takes_long_says_so_beforehand_and_writes_nothing(words: list[str], tmp_path: Path, capsys) -> None:
+    assert main([*words, "--out", str(tmp_path / "out"), "--dry-run"]) == 0
+    said = re.search(r"would take about ([\d.]+) (s|min|h) and ([\d.]+) (kB|MB|GB)", capsys.readouterr().out)
+    assert said is not None
+    assert float(said[1]) > 0.0
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+def test_flights_and_estimates_are_tried_in_proportion(tmp_path: Path, capsys) -> None:
+    flights = tmp_path / "flights"
+    assert (
+        main(["simulate", "--preset", "approach-100-10m", "--duration-s", "8", "--runs", "2", "--out", str(flights)])
+        == 0
+    )
+    assert main(["navigate", str(flights), "--dry-run"]) == 0
+    render = ["render", "--renderer", "raycast", "--frames", "2", "--size", "64", "--out", str(tmp_path / "set")]
+    assert main(render) == 0
+    assert main(["estimate", str(tmp_path / "set"), "--out", str(tmp_path / "poses.json"), "--dry-run"]) == 0
+    said = capsys.readouterr().out
+    assert "2 flight(s) would take about" in said
+    assert "2 images would take about" in said
+    assert not (tmp_path / "poses.json").exists()
+    assert not list(flights.glob("*/solution.csv"))
