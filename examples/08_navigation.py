@@ -1,0 +1,44 @@
+"""Where is it, all the time? Camera, gyro, star tracker and GNSS through the filter, compared with the truth."""
+
+from pathlib import Path
+
+import numpy as np
+
+from proxnav import presets
+from proxnav.navigation.config import NavigationConfig
+from proxnav.navigation.errors import nav_errors
+from proxnav.navigation.navigator import run_filter, scene_of
+from proxnav.navigation.simulate import SimulationConfig, simulate
+from proxnav.navigation.solution_files import csv_text, solution_columns
+from proxnav.navigation.truth_files import true_states
+from proxnav.targets.loading import load_target
+from proxnav.trajectories import select
+from proxnav.viewing.flight_folder import read_flight
+from proxnav.viewing.report_filter import filter_section
+
+
+def main(out: Path = Path("out/examples"), seconds: float = 120.0) -> np.ndarray:
+    """Flies the first part of the approach, filters what the sensors say, and prints how honest the filter is."""
+    flight = presets.flight("approach-100-10m")
+    flight = select(flight, np.flatnonzero(flight.t <= flight.t[0] + seconds))
+    target, camera, config = load_target("space-rider"), presets.NAVIGATION_CAMERA, NavigationConfig()
+
+    truth, records = simulate(flight, target, camera, SimulationConfig(), np.random.default_rng(0))
+    t = np.arange(truth.t[0] + 1.0, truth.t[-1], 1.0)
+    states, _, _ = run_filter(records, scene_of(records, target.keypoints_m, camera, config), t)
+    errors = nav_errors(states, true_states(truth).at(t))
+
+    (out / "08_navigation").mkdir(parents=True, exist_ok=True)
+    solution = out / "08_navigation" / "solution.csv"
+    solution.write_text(csv_text(solution_columns(states, errors)))
+    section = filter_section(read_flight(solution.parent))
+    assert section is not None
+    for row in section["rows"]:
+        print(f"{row['name']:22} RMS {row['rms']:>8}   inside 3 sigma {row['inside']:>7} (honest {section['honest']})")
+    last = errors.errors[-1, :3]
+    print(f"position error after {seconds:.0f} s: {np.linalg.norm(last):.2f} m at {flight.range_m[-1]:.0f} m; {solution}")
+    return last
+
+
+if __name__ == "__main__":
+    main()
