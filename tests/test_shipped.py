@@ -42,6 +42,16 @@ def test_sky_and_earth_without_a_target_give_no_pose(estimator, make):
         assert estimator(make(empty).image, scene.camera).T_cam_target is None
 
 
+def test_an_outline_that_the_image_does_not_show_takes_the_pose_back(estimator, make):
+    scene = next(iter(draw_scenes(PRESET, 1, seed=424_242)))
+    image = make(scene).image
+    found = estimator.alignment_of(image, scene.camera)
+    for least, status in ((found.edge_share - 1e-6, "ok"), (found.edge_share + 1e-6, "no_consensus")):
+        strict = replace(estimator, alignment=replace(estimator.alignment, least_edge_share=least))
+        result = strict(image, scene.camera)
+        assert (result.status, result.T_cam_target is None) == (status, status != "ok")
+
+
 @pytest.mark.parametrize("kind", ["white", "smooth"])
 def test_noise_gives_no_pose(estimator, kind, rng):
     import cv2

@@ -86,6 +86,8 @@ class PoseEstimator:
         found = self._aligned(grey, camera, keypoints, result)
         if found is None:
             return keypoints, result
+        if found.edge_share < self.alignment.least_edge_share:
+            return keypoints, PoseResult.failure("no_consensus", len(result.inliers))
         return keypoints, replace(result, T_cam_target=found.T_cam_target, covariance=found.covariance)
 
     def alignment_of(self, image: np.ndarray, camera: Camera) -> Alignment | None:

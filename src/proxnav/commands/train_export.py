@@ -1,12 +1,11 @@
 """`proxnav train export`: trained networks as a model folder that runs without torch, its covariances calibrated."""
 
-import math
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import tyro
-from scipy.optimize import root_scalar
 
 from proxnav import presets
 from proxnav.commands.progress import progress
@@ -21,12 +20,13 @@ from proxnav.evaluation.consistency import nees
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry.perturbation import difference
 from proxnav.pipeline import draw_scenes
+from proxnav.pose.alignment import AlignConfig
+from proxnav.pose.alignment.calibration import KEPT, Samples, calibrated
 from proxnav.targets.loading import GENERATED, load_target, save_target
 
 _CALIBRATION_SEED = 8_000_001
 _EMPTY_SEED = 8_000_003
 _FEWEST = 50
-_KEPT = 0.98  # beyond this quantile an error is a confusion, which no scale should cover: it counts as the quantile
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,8 @@ class ExportConfig:
     """Of the crop network, as it was trained."""
     least_median_score: float | None = None
     """Median keypoint score below which an image shows no target; measured on frames without one when not given."""
+    alignment: AlignConfig = field(default_factory=AlignConfig)
+    """Scale, doubt and least share of edges are measured."""
     calibration: int = 300
     """Fresh ray-cast frames on which the covariances are scaled; a third as many show no target."""
 
@@ -77,11 +79,11 @@ def main(argv: list[str]) -> None:
     scale = calibrate(config, replace(estimator, least_median_score=least))
     card["settings"]["spread_scale"] = round(scale, 4)
     card["least_median_score"] = round(least, 4)
-    card["alignment"] = {"covariance_scale": 1.0}
+    card["alignment"] = _changed(config.alignment)
     if target.name not in GENERATED:
         save_target(target, config.out / "target")
     write_model_card(config.out, card)
-    card["alignment"] = {"covariance_scale": round(calibrate_alignment(config), 3)}
+    card["alignment"] = _changed(calibrate_alignment(config))
     write_model_card(config.out, card)
     print(f"{config.out}: covariances scaled by {scale:.3f} (standard deviation), least median score {least:.3f}")
 
@@ -124,31 +126,26 @@ def calibrate(config: ExportConfig, estimator: PoseEstimator) -> float:
         raise InputError(
             f"{len(found)} of {config.calibration} frames gave a pose, calibration needs {_FEWEST}: train on"
         )
-    return float(np.sqrt(np.mean(np.minimum(found, np.quantile(found, _KEPT))) / 6.0))
+    return float(np.sqrt(np.mean(np.minimum(found, np.quantile(found, KEPT))) / 6.0))
 
 
-def calibrate_alignment(config: ExportConfig) -> float:
-    """Factor on the outline's covariance that makes the mean NEES of aligned poses that of 6 normals.
-
-    The poses' other part, the spread of rival poses, is left as it is; errors beyond a quantile count as the quantile.
-    """
+def calibrate_alignment(config: ExportConfig) -> AlignConfig:
+    """How the exported model should lay outlines onto images, from its poses in fresh frames."""
     estimator = PoseEstimator.load(str(config.out))
     make, found = FrameJob(config.target, FrameConfig("raycast"))(), []
     with progress("calibrate the alignment", config.calibration) as done:
         for scene in draw_scenes(_preset(config), config.calibration, _CALIBRATION_SEED):
             aligned = estimator.alignment_of(make(scene).image, scene.camera)
             if aligned is not None:
-                spread = aligned.covariance - aligned.outline_covariance
-                found.append((difference(aligned.T_cam_target, scene.T_cam_target), aligned.outline_covariance, spread))
+                found.append((aligned, scene.T_cam_target))
             done()
     if len(found) < _FEWEST:
         raise InputError(f"{len(found)} of {config.calibration} frames gave a pose, calibration needs {_FEWEST}")
+    return calibrated(config.alignment, Samples.of(found, estimator.alignment))
 
-    def excess(log_scale: float) -> float:
-        each = [nees(d, np.exp(log_scale) * outline + spread) for d, outline, spread in found]
-        return float(np.mean(np.minimum(each, np.quantile(each, _KEPT)))) - 6.0
 
-    low, high = 0.0, float(np.log(1e4))
-    if excess(low) <= 0.0 or excess(high) >= 0.0:
-        return math.exp(low if excess(low) <= 0.0 else high)
-    return math.exp(root_scalar(excess, bracket=(low, high)).root)
+def _changed(config: AlignConfig) -> dict[str, Any]:
+    """What differs from the defaults, as model.json keeps it."""
+    values = asdict(config)
+    rounded = {name: round(value, 3) if isinstance(value, float) else value for name, value in values.items()}
+    return {name: value for name, value in rounded.items() if value != asdict(AlignConfig())[name]}

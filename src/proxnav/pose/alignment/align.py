@@ -27,6 +27,8 @@ class Alignment:
     """(6, 6) the part of it that `covariance_scale` multiplies, before that."""
     edge_share: float
     """Share of the outline that lies on edges of the image."""
+    doubt: float
+    """Of the keypoints that it started from."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,4 +97,4 @@ def _judged(found: list[_Candidate], view: View, target: Target, prior: Prior, c
     between = np.einsum("k,ki,kj->ij", weights / weights.sum(), away, away)
     share = edge_share(target, best.T_cam_target, view, 0.5, 2.0)
     alone = config.widening(prior.doubt) * best.covariance
-    return Alignment(best.T_cam_target, config.covariance_scale * alone + between, alone, share)
+    return Alignment(best.T_cam_target, config.covariance_scale * alone + between, alone, share, prior.doubt)

@@ -45,6 +45,8 @@ class AlignConfig:
     """Of the outline's own covariance: its points err together. Calibrated on validation images."""
     doubt_power: float = 0.0
     """Power of the keypoints' doubt by which that covariance is multiplied as well; 0 leaves doubt aside."""
+    least_edge_share: float = 0.0
+    """Share of the outline on edges below which the image contradicts the pose: it is refused."""
 
     def widening(self, doubt: float) -> float:
         """Factor on the outline's covariance for a doubt in [0, 1]; 1 at `USUAL_DOUBT`."""
