@@ -16,7 +16,7 @@ POWERS = (0.0, 0.5, 1.0, 1.5, 2.0)
 """Powers of the keypoints' doubt that are compared."""
 KEPT = 0.98
 """Quantile of squared errors; one beyond it is a confusion, which no scale should cover, and counts as the quantile."""
-_USUAL_PART = 0.5
+_USUAL_PART = 0.45
 """Of the median share of the outline on edges: an image that shows less of it contradicts the pose."""
 
 
