@@ -8,7 +8,6 @@ and part ids, the pipe, the composition, the watch over the worker. The two take
 load on the machine meets both. Earth is left out: a bare loop has none.
 """
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -20,23 +19,12 @@ FOLDER = Path(__file__).resolve().parents[1] / "out" / "cycles_overhead"
 
 def bare(worker_path: str) -> None:
     """Under Blender's interpreter: reads a frame number a line, renders it, answers with a line."""
-    import numpy as np
+    from bare_blender import begin
 
-    spec = importlib.util.spec_from_file_location("worker", worker_path)
-    worker = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(worker)
+    worker, reply, requests = begin(worker_path, FOLDER)
     import bpy
 
-    reply = worker.claim_stdout()
-    requests = json.loads((FOLDER / "requests.json").read_text())
-    arrays = {name: dict(np.load(FOLDER / f"{name}.npz")) for name in ("load", "paint")}
-    for command in ("configure", "load", "paint"):
-        getattr(worker, command)(requests[command], arrays.get(command, {}))
     scene = bpy.context.scene
-    layer = scene.view_layers[0]
-    layer.use_pass_position = layer.use_pass_material_index = False
-    layer.aovs.remove(layer.aovs[0])
-    scene.cycles.pixel_filter_type = "BOX"
     for line in sys.stdin:
         request = requests["frames"][int(line)]
         worker.set_sun(request["sun"])

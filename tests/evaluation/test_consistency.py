@@ -5,10 +5,11 @@ import pytest
 from scipy.stats import chi2
 from tests.evaluation.records import disturbed, truth_along
 
-from proxnav.evaluation.consistency import consistency, efficiency_by_range, nees
+from proxnav.evaluation.consistency import consistency, efficiency_by_range
 from proxnav.evaluation.pairing import pair
 from proxnav.evaluation.table import consistency_line
 from proxnav.geometry import Pose, so3
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 
 
@@ -45,8 +46,10 @@ def test_difference_is_what_the_covariance_is_of(rng: np.random.Generator) -> No
 
 def test_nees_by_hand_and_of_a_singular_claim() -> None:
     covariance = np.diag([4.0, 1.0, 1.0, 0.25, 1.0, 1.0])
-    assert nees(np.array([2.0, 0.0, 3.0, 1.0, 0.0, 0.0]), covariance) == pytest.approx(1.0 + 9.0 + 4.0)
-    assert nees(np.ones(6), np.zeros((6, 6))) == np.inf
+    assert squared_mahalanobis(np.array([2.0, 0.0, 3.0, 1.0, 0.0, 0.0]), covariance) == pytest.approx(1.0 + 9.0 + 4.0)
+    assert squared_mahalanobis(np.ones(6), np.zeros((6, 6))) == np.inf
+    stack = squared_mahalanobis(np.ones((2, 6)), np.stack([np.zeros((6, 6)), covariance]))
+    np.testing.assert_allclose(stack, [np.inf, 0.25 + 1.0 + 1.0 + 4.0 + 1.0 + 1.0])
 
 
 def test_estimates_without_covariance_claim_nothing(rng: np.random.Generator) -> None:

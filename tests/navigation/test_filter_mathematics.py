@@ -11,10 +11,10 @@ from scipy.linalg import solve_discrete_lyapunov
 from navigation.flights import CAMERA, TIGHT, points
 from navigation.orbits import target_at
 from proxnav.geometry import quaternion
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.relative_motion import cw_transition
 from proxnav.navigation.belief import Belief, Scene, nav_state
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.errors import normalised_square
 from proxnav.navigation.kernels.prediction import (
     advance,
     corrected,
@@ -285,7 +285,7 @@ def test_noise_of_one_step_is_positive(seed: int) -> None:
 
 
 def test_nees_of_a_one_sigma_error_is_one() -> None:
-    assert abs(normalised_square(np.array([0.0, 3.0]), np.diag([1e-12, 9.0])) - 1.0) < 1e-12
+    assert abs(squared_mahalanobis(np.array([0.0, 3.0]), np.diag([1e-12, 9.0])) - 1.0) < 1e-12
 
 
 def test_a_state_before_the_first_pose_is_none() -> None:

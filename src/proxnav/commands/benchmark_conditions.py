@@ -23,6 +23,7 @@ from proxnav.errors import InputError
 from proxnav.evaluation.errors import pose_errors
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import EARTH_MEAN_RADIUS, sun_visible_fraction
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.presets import Preset
 from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
@@ -240,7 +241,7 @@ def row(scenes: Sequence[SceneSpec], results: Sequence[PoseResult]) -> dict[str,
         d = difference(result.T_cam_target, scene.T_cam_target)
         e_c.append(errors.e_c)
         e_r.append(np.degrees(errors.e_r_rad))
-        nees.append(float(d @ np.linalg.solve(result.covariance, d)))
+        nees.append(float(squared_mahalanobis(d, result.covariance)))
     if not e_c:
         return {"frames": len(scenes), "poses": 0}
     return {

@@ -16,8 +16,8 @@ from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
 from proxnav.detection.training.files import load_weights
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator, write_model_card
-from proxnav.evaluation.consistency import nees
 from proxnav.frames import FrameConfig, FrameJob
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.pipeline import draw_scenes
 from proxnav.pose.alignment import AlignConfig
@@ -120,7 +120,8 @@ def calibrate(config: ExportConfig, estimator: PoseEstimator) -> float:
         for scene in draw_scenes(_preset(config), config.calibration, _CALIBRATION_SEED):
             result = estimator(make(scene).image, scene.camera)
             if result.T_cam_target is not None and result.covariance is not None:
-                found.append(nees(difference(result.T_cam_target, scene.T_cam_target), result.covariance))
+                error = difference(result.T_cam_target, scene.T_cam_target)
+                found.append(float(squared_mahalanobis(error, result.covariance)))
             done()
     if len(found) < _FEWEST:
         raise InputError(

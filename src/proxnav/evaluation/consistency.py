@@ -9,6 +9,7 @@ from jaxtyping import Float
 from scipy.stats import chi2
 
 from proxnav.evaluation.pairing import Frame
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 
 _DEGREES_OF_FREEDOM = 6
@@ -61,22 +62,12 @@ class Efficiency:
         return self.rms_r_rad / self.bound_r_rad
 
 
-def nees(error: Float[np.ndarray, "6"], covariance: Float[np.ndarray, "6 6"]) -> float:
-    """Squared Mahalanobis length of (dt, dr) under the claimed covariance; infinite where that is not positive."""
-    scale = np.sqrt(np.maximum(np.diagonal(covariance), 1e-300))
-    try:
-        half = np.linalg.solve(np.linalg.cholesky(covariance / np.outer(scale, scale)), error / scale)
-    except np.linalg.LinAlgError:
-        return float("inf")
-    return float(half @ half)
-
-
 def consistency(frames: Sequence[Frame]) -> Consistency | None:
     """Honesty of the claims of all frames that have a pose and a covariance; None when there is none."""
     errors, covariances = _claims(frames)
     if len(errors) == 0:
         return None
-    values = np.array([nees(e, C) for e, C in zip(errors, covariances, strict=True)])
+    values = squared_mahalanobis(errors, covariances)
     sigmas = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
     m = len(values)
     low, high = chi2.ppf([0.025, 0.975], _DEGREES_OF_FREEDOM * m) / m

@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from proxnav.datasets.records import NAV_STATUSES, NavState
 from proxnav.geometry import quaternion
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.navigation.navigator import Judged
 from proxnav.navigation.truth_files import TrueStates
 
@@ -45,7 +46,7 @@ def nav_errors(states: Sequence[NavState | None], truth: TrueStates) -> NavError
             continue
         errors[i] = state_error(state, truth, i)
         sigmas[i] = np.sqrt(np.diagonal(state.covariance))
-        nees[i] = normalised_square(errors[i], state.covariance)
+        nees[i] = squared_mahalanobis(errors[i], state.covariance)
         status[i] = NAV_STATUSES.index(state.status)
     return NavErrors(truth.t, np.linalg.norm(truth.r_ric_m, axis=1), errors, sigmas, nees, status)
 
@@ -57,13 +58,6 @@ def state_error(state: NavState, truth: TrueStates, i: int) -> Float[np.ndarray,
         [truth.r_ric_m[i] - state.r_ric_m, truth.v_ric_mps[i] - state.v_ric_mps, turn,
          truth.rate_target[i] - state.rate_target]
     )  # fmt: skip
-
-
-def normalised_square(error: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]) -> float:
-    """e^T P^-1 e, scaled first: metres and radians per second live in one matrix."""
-    scale = np.sqrt(np.diagonal(covariance))
-    half = np.linalg.solve(np.linalg.cholesky(covariance / np.outer(scale, scale)), error / scale)
-    return float(half @ half)
 
 
 def mean_nis(judged: Sequence[Judged], after_s: float) -> dict[str, tuple[float, int]]:

@@ -21,6 +21,7 @@ from proxnav.datasets.run_frames import FrameNote, read_run_frames
 from proxnav.datasets.speed import PoseRecord, read_poses
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion, so3
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.viewing.flight_folder import SOLUTION, Flight, read_flight
 
 _OVERLAY = re.compile(r"(best|median|worst)-(\d{1,9})\.png")
@@ -126,16 +127,8 @@ def frame_errors(T_est: Pose, T_true: Pose, covariance: Float[np.ndarray, "6 6"]
     normalised = nees = None
     if covariance is not None:
         sigma = np.sqrt(np.maximum(np.diagonal(covariance), 1e-300))
-        normalised, nees = difference / sigma, _nees(difference / sigma, covariance / np.outer(sigma, sigma))
+        normalised, nees = difference / sigma, float(squared_mahalanobis(difference, covariance))
     return FrameErrors(np.abs(difference[:3]), norm, norm / range_m, turn, norm / range_m + turn, normalised, nees)
-
-
-def _nees(scaled: np.ndarray, correlation: np.ndarray) -> float:
-    try:
-        half = np.linalg.solve(np.linalg.cholesky(correlation), scaled)
-    except np.linalg.LinAlgError:
-        return float("inf")
-    return float(half @ half)
 
 
 def _row(truth: PoseRecord, estimate: PoseRecord | None) -> FrameRow:

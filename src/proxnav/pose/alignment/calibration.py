@@ -8,6 +8,7 @@ from jaxtyping import Float
 from scipy.optimize import root_scalar
 
 from proxnav.geometry import Pose
+from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.pose.alignment.align import Alignment
 from proxnav.pose.alignment.config import AlignConfig
@@ -57,7 +58,7 @@ def calibrated(config: AlignConfig, samples: Samples) -> AlignConfig:
 
 def _scaled(config: AlignConfig, samples: Samples) -> AlignConfig:
     def excess(log_scale: float) -> float:
-        squared = _squared_errors(samples, _covariances(_with(config, log_scale), samples))
+        squared = squared_mahalanobis(samples.errors, _covariances(_with(config, log_scale), samples))
         return float(np.mean(np.minimum(squared, np.quantile(squared, KEPT)))) - 6.0
 
     low, high = 0.0, float(np.log(1e4))
@@ -75,14 +76,9 @@ def _covariances(config: AlignConfig, samples: Samples) -> Float[np.ndarray, "k 
     return factors[:, None, None] * samples.outlines + samples.spreads
 
 
-def _squared_errors(samples: Samples, covariances: Float[np.ndarray, "k 6 6"]) -> Float[np.ndarray, "k"]:
-    whitened = np.linalg.solve(covariances, samples.errors[:, :, None])[:, :, 0]
-    return np.einsum("ki,ki->k", samples.errors, whitened)
-
-
 def _log_likelihood(config: AlignConfig, samples: Samples) -> float:
     """Mean of a normal's, errors beyond the quantile counted as the quantile; constants left out."""
     covariances = _covariances(config, samples)
-    squared = _squared_errors(samples, covariances)
+    squared = squared_mahalanobis(samples.errors, covariances)
     kept = np.minimum(squared, np.quantile(squared, KEPT))
     return -0.5 * float(np.mean(kept + np.linalg.slogdet(covariances)[1]))
