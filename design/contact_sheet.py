@@ -10,9 +10,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from proxnav.datasets.dataset import Dataset, read_image
-from proxnav.datasets.files import inside
-from proxnav.datasets.records import HIDDEN, VISIBLE
+from proxnav.datasets.set.dataset import Dataset, read_image
+from proxnav.storage.files import inside
+from proxnav.records import HIDDEN, VISIBLE
 from proxnav.viewing.overlay import contact_sheet
 
 _COLOURS = {VISIBLE: (90, 230, 90), HIDDEN: (240, 80, 70)}

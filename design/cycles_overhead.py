@@ -79,7 +79,7 @@ def draw_scenes(count: int) -> list:
     """Random attitudes at 15 to 100 m, sunlit from behind the camera's left shoulder."""
     import numpy as np
 
-    from proxnav.datasets.records import SceneSpec, SunSpec
+    from proxnav.records import SceneSpec, SunSpec
     from proxnav.geometry import Camera, Pose, quaternion
 
     camera, rng, scenes = Camera(1024, 1024, 1407.0, 1407.0, 512.0, 512.0), np.random.default_rng(7), []
@@ -96,7 +96,7 @@ def write_requests(target, config, scenes: list) -> None:
     """Leaves in FOLDER what our worker would be sent, for the bare loop."""
     import numpy as np
 
-    from proxnav.datasets.records import TextureSpec, Window
+    from proxnav.records import TextureSpec, Window
     from proxnav.rendering.cycles import lens
     from proxnav.rendering.cycles.materials import paint_arrays
     from proxnav.rendering.cycles.mesh import mesh_arrays

@@ -63,7 +63,7 @@ def measure(frames: int, samples: int, size: int) -> None:
     import numpy as np
 
     from proxnav import presets
-    from proxnav.datasets.writer import DatasetWriter
+    from proxnav.datasets.set.writer import DatasetWriter
     from proxnav.frames import FrameConfig, FrameJob
     from proxnav.pipeline import draw_scenes
     from proxnav.rendering.cycles.blender import WORKER, find_blender
@@ -127,7 +127,7 @@ def write_requests(target, samples: int, scenes: list) -> None:
     """Leaves in FOLDER what the bare loop needs."""
     import numpy as np
 
-    from proxnav.datasets.records import TextureSpec, Window
+    from proxnav.records import TextureSpec, Window
     from proxnav.rendering.cycles import CyclesConfig, lens
     from proxnav.rendering.cycles.materials import paint_arrays
     from proxnav.rendering.cycles.mesh import mesh_arrays

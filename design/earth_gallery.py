@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from proxnav.datasets.records import EarthSpec, SceneSpec, SunSpec, Window
+from proxnav.records import EarthSpec, SceneSpec, SunSpec, Window
 from proxnav.geometry import Camera
 from proxnav.rendering.earth import background_image
 

@@ -18,8 +18,8 @@ from earth_gallery import scene as over_earth
 from scipy.spatial.transform import Rotation
 from sensor_effects import sun_picture, write
 
-from proxnav.datasets.records import EarthSpec, Frame, SceneSpec
-from proxnav.datasets.records.scene import SUN_IRRADIANCE
+from proxnav.records import EarthSpec, Frame, SceneSpec
+from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import sun_visible_fraction

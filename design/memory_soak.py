@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from proxnav import presets
-from proxnav.datasets.files import write_json
-from proxnav.datasets.records import SceneSpec
+from proxnav.storage.files import write_json
+from proxnav.records import SceneSpec
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.pipeline import draw_scenes
 from proxnav.rendering.cycles import CyclesConfig

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.commands.rcnn_validation import fresh_frames
+from proxnav.learning.rcnn_validation import fresh_frames
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig
 from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.keypoint_rcnn.predict import predict

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from proxnav.datasets.records import SceneSpec, TextureSpec
+from proxnav.records import SceneSpec, TextureSpec
 from proxnav.geometry import Camera
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.scenes import RandomSceneConfig, random_scene

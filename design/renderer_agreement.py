@@ -16,9 +16,9 @@ from typing import Any
 import cv2
 import numpy as np
 
-from proxnav.datasets.files import write_json
-from proxnav.datasets.records import Frame, SceneSpec, TextureSpec
-from proxnav.datasets.records.scene import SUN_IRRADIANCE
+from proxnav.storage.files import write_json
+from proxnav.records import Frame, SceneSpec, TextureSpec
+from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.geometry import Camera
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from proxnav import presets
-from proxnav.datasets.records import ExposureSpec, Frame, SceneSpec, SensorSpec
+from proxnav.records import ExposureSpec, Frame, SceneSpec, SensorSpec
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.rendering.raycast import RaycastRenderer

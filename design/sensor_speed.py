@@ -11,7 +11,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from proxnav.datasets.records import ExposureSpec, Frame, SceneSpec, SunSpec, Window
+from proxnav.records import ExposureSpec, Frame, SceneSpec, SunSpec, Window
 from proxnav.geometry import Camera
 from proxnav.sensor import expose
 from proxnav.sensor.presets import SENSORS

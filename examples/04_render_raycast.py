@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from proxnav import presets
-from proxnav.datasets.records import Frame
+from proxnav.records import Frame
 from proxnav.pipeline import draw_scenes
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.targets.loading import load_target

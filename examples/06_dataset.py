@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 
 from proxnav import presets
-from proxnav.datasets.dataset import Dataset
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.frames import FrameConfig
 from proxnav.pipeline import draw_scenes, render
 from proxnav.viewing.overlay import contact_sheet, overlay

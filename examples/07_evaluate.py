@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import proxnav as pn
-from proxnav.datasets.speed import PoseRecord, read_poses, write_poses
+from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses, write_poses
 from proxnav.evaluation.consistency import consistency
 from proxnav.evaluation.pairing import pair
 from proxnav.evaluation.summary import summarise_frames

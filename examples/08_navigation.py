@@ -6,11 +6,11 @@ import numpy as np
 
 from proxnav import presets
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.errors import nav_errors
+from proxnav.evaluation.navigation_errors import nav_errors
 from proxnav.navigation.navigator import run_filter, scene_of
-from proxnav.navigation.simulate import SimulationConfig, simulate
-from proxnav.navigation.solution_files import csv_text, solution_columns
-from proxnav.navigation.truth_files import true_states
+from proxnav.flight.simulate import SimulationConfig, simulate
+from proxnav.evaluation.solution_files import csv_text, solution_columns
+from proxnav.flight.truth_files import true_states
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select
 from proxnav.viewing.flight_folder import read_flight

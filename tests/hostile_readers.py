@@ -64,7 +64,7 @@ def _labels(path: Path) -> None:
 
 
 def _dataset(path: Path) -> None:
-    from proxnav.datasets.dataset import Dataset
+    from proxnav.datasets.set.dataset import Dataset
 
     dataset = Dataset(path.parent)
     _ = dataset.labels, dataset.camera, dataset.keypoints_m, dataset.target_name
@@ -96,19 +96,19 @@ def _bop_beside(folder: Path) -> None:
 
 
 def _keypoints(path: Path) -> None:
-    from proxnav.pose.keypoint_files import read_keypoints
+    from proxnav.pose.solve.keypoint_files import read_keypoints
 
     read_keypoints(path)
 
 
 def _points(path: Path) -> None:
-    from proxnav.targets.points import load_points
+    from proxnav.targets.keypoints.point_files import load_points
 
     load_points(path)
 
 
 def _mesh(path: Path) -> None:
-    from proxnav.targets.mesh_file import read_parts
+    from proxnav.targets.cad.mesh_file import read_parts
 
     read_parts(path)
 
@@ -127,21 +127,21 @@ def _target_beside(folder: Path) -> None:
 
 
 def _image(path: Path) -> None:
-    from proxnav.datasets.dataset import read_image
-    from proxnav.detection.images import grey_8_bit
+    from proxnav.datasets.set.dataset import read_image
+    from proxnav.images.grey import grey_8_bit
 
     grey_8_bit(read_image(path))
 
 
 def _records(path: Path) -> None:
-    from proxnav.navigation.record_files import read_records
-    from proxnav.navigation.truth_files import read_truth
+    from proxnav.datasets.sensor_records.files import read_records
+    from proxnav.flight.truth_files import read_truth
 
     read_truth(path) if path.name == "truth.csv" else read_records(path.parent)
 
 
 def _records_beside(folder: Path) -> None:
-    from proxnav.navigation.record_files import TABLES
+    from proxnav.datasets.sensor_records.files import TABLES
 
     (folder / "records.json").write_text('{"version": 1, "epoch_utc": "2024-11-01T00:00:00Z"}')
     rows = {"ephemeris": "0,7e6,0,0,0,7500,0\n10,7e6,75000,0,0,7500,0\n", "poses": "1,1,1,0,0,0,0,0,9" + ",1" * 21}

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 from proxnav.closed_loop import ClosedLoopConfig, frame_times
+from proxnav.datasets.sensor_records.files import read_records
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator, shipped_models
-from proxnav.navigation.record_files import read_records
 
 needs_weights = pytest.mark.skipif(not shipped_models(), reason="no shipped weights in this clone")
 

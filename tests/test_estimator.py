@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import torch
 
-from proxnav.datasets.records import Keypoints
 from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
 from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
 from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
-from proxnav.detection.images import grey_8_bit
 from proxnav.detection.sessions import open_session
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator, write_model_card
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.images.grey import grey_8_bit
+from proxnav.records import Keypoints
 from proxnav.targets.space_rider import space_rider
 
 CAMERA = Camera(256, 192, 350.0, 350.0, 128.0, 96.0)

@@ -13,12 +13,12 @@ from tests.datasets.formats.small_sets import make_dataset
 from tests.detection.test_training import CONFIG, assert_same, learner, source
 
 from proxnav import presets
-from proxnav.cli import main
-from proxnav.datasets import files
+from proxnav.cli.main import main
 from proxnav.detection.training import train
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
 from proxnav.pipeline import draw_scenes, render
+from proxnav.storage import files
 
 RAYCAST = FrameConfig("raycast")
 

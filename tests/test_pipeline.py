@@ -16,14 +16,14 @@ import pytest
 from jobs import Same
 from proxnav import presets
 from proxnav.commands.demo import DemoConfig
-from proxnav.crops import CropConfig, CropJob, WholeFrameJob, sample_source
-from proxnav.datasets.dataset import Dataset
-from proxnav.datasets.lock import LOCK
-from proxnav.datasets.records import Keypoints
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig
+from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, sample_source
 from proxnav.pipeline import draw_scenes, follow, judge, observable, render, telling, truth_of, write_run
+from proxnav.records import Keypoints
+from proxnav.storage.lock import LOCK
 from proxnav.viewing.report import report_html
 
 RAYCAST = FrameConfig("raycast")
@@ -82,7 +82,7 @@ def test_a_lock_that_a_killed_run_left_in_a_finished_set_is_removed(tmp_path):
 def test_a_render_killed_twenty_times_ends_like_one_that_was_not(tmp_path):
     # Kills are counted in frames, not seconds: a fast machine must not be done before the twentieth.
     words = ["render", "--renderer", "raycast", "--frames", "160", "--size", "64"]
-    command = [sys.executable, "-m", "proxnav.cli", *words]
+    command = [sys.executable, "-m", "proxnav.cli.main", *words]
     subprocess.run([*command, "--out", str(tmp_path / "whole")], check=True, capture_output=True)
     rng, folder = random.Random(5), tmp_path / "killed"
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import proxnav
-from proxnav.datasets.files import inside
 from proxnav.detection.keypoint_rcnn.weights import read_state
 from proxnav.detection.sessions import open_session
 from proxnav.errors import InputError
+from proxnav.storage.files import inside
 
 PACKAGE = Path(proxnav.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))

@@ -12,13 +12,13 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "Camera": "proxnav.geometry.camera",
     "InputError": "proxnav.errors",
-    "Keypoints": "proxnav.datasets.records",
+    "Keypoints": "proxnav.records",
     "Pose": "proxnav.geometry.pose",
     "PoseEstimator": "proxnav.estimator",
-    "PoseResult": "proxnav.datasets.records",
+    "PoseResult": "proxnav.records",
     "Target": "proxnav.targets.target",
-    "Trajectory": "proxnav.datasets.records",
-    "estimate_pose": "proxnav.pose.estimate",
+    "Trajectory": "proxnav.records",
+    "estimate_pose": "proxnav.pose.solve.estimate",
     "pose_errors": "proxnav.evaluation.errors",
 }
 """Name to module: each is imported when first used, so that `import proxnav` costs milliseconds."""
@@ -38,13 +38,13 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from proxnav.datasets.records import Keypoints, PoseResult, Trajectory
     from proxnav.errors import InputError
     from proxnav.estimator import PoseEstimator
     from proxnav.evaluation.errors import pose_errors
     from proxnav.geometry.camera import Camera
     from proxnav.geometry.pose import Pose
-    from proxnav.pose.estimate import estimate_pose
+    from proxnav.pose.solve.estimate import estimate_pose
+    from proxnav.records import Keypoints, PoseResult, Trajectory
     from proxnav.targets.target import Target
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from proxnav.datasets.records import KeypointData, Keypoints, PoseData, PoseResult, SensorRecords, Trajectory
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
+from proxnav.flight.truth import Truth
 from proxnav.frames import FrameConfig, FrameJob, Renderer
 from proxnav.geometry import Camera
 from proxnav.geometry.types import Box
@@ -15,7 +15,7 @@ from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.events import Event, events
 from proxnav.navigation.navigator import Navigator, scene_of
 from proxnav.navigation.prediction import predict_view
-from proxnav.navigation.truth import Truth
+from proxnav.records import KeypointData, Keypoints, PoseData, PoseResult, SensorRecords, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.sensor.presets import SPEED_CLASS
 from proxnav.trajectories.assemble import assemble

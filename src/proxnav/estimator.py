@@ -7,11 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets.crop import box_in_image
-from proxnav.datasets.files import read_json, write_json
-from proxnav.datasets.records import Keypoints, PoseResult
 from proxnav.detection.heatmap.detector import HeatmapDetector
-from proxnav.detection.images import check_size, grey_8_bit
 from proxnav.detection.keypoint_rcnn.decode import Calibration
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig
 from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
@@ -19,9 +15,13 @@ from proxnav.detection.sessions import Backend, open_session
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.types import Box
-from proxnav.pose.alignment import AlignConfig, Alignment, Prior, align
-from proxnav.pose.config import PoseConfig
-from proxnav.pose.estimate import estimate_pose
+from proxnav.images.crop import box_in_image
+from proxnav.images.grey import check_size, grey_8_bit
+from proxnav.pose.align import AlignConfig, Alignment, Prior, align
+from proxnav.pose.solve.config import PoseConfig
+from proxnav.pose.solve.estimate import estimate_pose
+from proxnav.records import Keypoints, PoseResult
+from proxnav.storage.files import read_json, write_json
 from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 

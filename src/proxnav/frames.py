@@ -6,15 +6,15 @@ from typing import Literal
 
 import numpy as np
 
-from proxnav.datasets.labelling import label_frame
-from proxnav.datasets.records import Frame, FrameLabel, SceneSpec
+from proxnav.datasets.set.labelling import label_frame
+from proxnav.records import Frame, FrameLabel, SceneSpec
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.sensor.expose import expose
 from proxnav.targets import Target
+from proxnav.targets.keypoints.visibility import visible_keypoints
 from proxnav.targets.loading import load_target
-from proxnav.targets.visibility import visible_keypoints
 
 Renderer = Literal["cycles", "raycast"]
 

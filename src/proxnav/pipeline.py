@@ -11,29 +11,29 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from proxnav.cluster.jobs import POOL, is_elsewhere, run_anywhere
-from proxnav.datasets.dataset import Dataset, encode_png
-from proxnav.datasets.files import read_json, write_atomic, write_json
-from proxnav.datasets.lock import LOCK, only_run_in
-from proxnav.datasets.records import VISIBLE, FrameLabel, Keypoints, SceneSpec, Trajectory
-from proxnav.datasets.run_frames import FrameNote, RunFrames, write_run_frames
-from proxnav.datasets.run_record import plain, run_record
-from proxnav.datasets.speed import PoseRecord, write_poses
-from proxnav.datasets.writer import DatasetWriter, encode_frame
+from proxnav.datasets.formats.speed_poses import PoseRecord, write_poses
+from proxnav.datasets.set.dataset import Dataset, encode_png
+from proxnav.datasets.set.writer import DatasetWriter, encode_frame
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.evaluation.consistency import Consistency, Efficiency, consistency, efficiency_by_range
 from proxnav.evaluation.metrics import metrics
 from proxnav.evaluation.pairing import Frame, pair
+from proxnav.evaluation.run_frames import FrameNote, RunFrames, write_run_frames
 from proxnav.evaluation.summary import Summary, by_range, summarise_frames
 from proxnav.evaluation.table import consistency_line, efficiency_table, range_table, table1
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.types import Points
-from proxnav.pose.crlb import cramer_rao_white
+from proxnav.pose.solve.crlb import cramer_rao_white
 from proxnav.presets import Preset
+from proxnav.records import VISIBLE, FrameLabel, Keypoints, SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.scenes.random_scene import random_scene
+from proxnav.storage.files import read_json, write_atomic, write_json
+from proxnav.storage.lock import LOCK, only_run_in
+from proxnav.storage.run_record import plain, run_record
 from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select, spread

@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.records import Trajectory
 from proxnav.scenes.random_scene import RandomSceneConfig
 from proxnav.scenes.random_sun import SunConfig
 from proxnav.scenes.random_view import ViewConfig

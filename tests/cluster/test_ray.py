@@ -10,7 +10,7 @@ import pytest
 from jobs import CannotBegin, DieOnce, Fail, FailAtThree, Square, Threads
 from proxnav import presets
 from proxnav.cluster.jobs import run_anywhere
-from proxnav.datasets.writer import DatasetWriter
+from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
 from proxnav.pipeline import draw_scenes, render

@@ -17,9 +17,9 @@ from proxnav.commands.benchmark_conditions import (
     table,
     without_target,
 )
-from proxnav.datasets.records import PoseResult
 from proxnav.geometry.perturbation import moved
 from proxnav.pipeline import draw_scenes
+from proxnav.records import PoseResult
 
 PRESET = presets.preset("observation-10-100m")
 SCENE = draw_scenes(PRESET, 1, seed=4)[0]

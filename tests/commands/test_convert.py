@@ -9,10 +9,10 @@ import trimesh
 from tests.datasets.formats.small_sets import make_dataset
 
 from boxcraft import boxcraft
-from proxnav.cli import main
-from proxnav.datasets.dataset import Dataset
+from proxnav.cli.main import main
 from proxnav.datasets.formats import WRITERS, read_labels
-from proxnav.datasets.records import Trajectory
+from proxnav.datasets.set.dataset import Dataset
+from proxnav.records import Trajectory
 from proxnav.targets.loading import save_target
 from proxnav.trajectories import (
     OBSERVATION_10_100,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from tests.evaluation.records import disturbed, truth_along
 
-from proxnav.cli import main
-from proxnav.datasets.speed import write_poses
+from proxnav.cli.main import main
+from proxnav.datasets.formats.speed_poses import write_poses
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 from proxnav.commands.navigate import sums
 
 pytestmark = pytest.mark.filterwarnings("ignore")

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from proxnav import presets
-from proxnav.cli import main
+from proxnav.benchmarks.monte_carlo import Case, RunJob
+from proxnav.cli.main import main
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import run_anywhere
 from proxnav.commands.look_jobs import LookJob
+from proxnav.flight.simulate import SensingConfig, SimulationConfig
+from proxnav.flight.truth import TruthConfig
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.monte_carlo import Case, RunJob
-from proxnav.navigation.simulate import SensingConfig, SimulationConfig
-from proxnav.navigation.truth import TruthConfig
 from proxnav.pipeline import draw_scenes
 from proxnav.targets.loading import load_target
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 from proxnav.commands.render import RenderConfig, scenes_of
 from proxnav.geometry import Camera
 from proxnav.geometry.camera_files import speed_json

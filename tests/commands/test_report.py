@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 
 POSE = {"filename": "a.png", "q_vbs2tango_true": [1, 0, 0, 0], "r_Vo2To_vbs_true": [0, 0, 20]}
 

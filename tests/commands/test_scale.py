@@ -5,7 +5,7 @@ from itertools import count
 import pytest
 
 from proxnav import presets
-from proxnav.cli import main
+from proxnav.cli.main import main
 from proxnav.commands.benchmark_scale import ScaleBenchmarkConfig, rate, table, text, written
 from proxnav.errors import InputError
 from proxnav.pipeline import draw_scenes

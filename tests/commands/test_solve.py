@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from proxnav.cli import main
-from proxnav.datasets.speed import read_poses
+from proxnav.cli.main import main
+from proxnav.datasets.formats.speed_poses import read_poses
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.camera_files import speed_json
 

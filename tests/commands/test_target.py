@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 from proxnav.commands import target as command
 from proxnav.commands.target_accuracy import bound_at, ranges_for
 from proxnav.geometry import Camera

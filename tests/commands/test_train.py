@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 
 
 @pytest.mark.parametrize("network", ["heatmap", "finder"])

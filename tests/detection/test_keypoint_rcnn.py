@@ -17,7 +17,6 @@ from torchvision.models.detection.roi_heads import keypointrcnn_loss
 from torchvision.ops.misc import FrozenBatchNorm2d
 
 from drawings import drawing, drawings
-from proxnav.datasets.crop import Crop
 from proxnav.detection.keypoint_rcnn.calibrate import fit_calibration
 from proxnav.detection.keypoint_rcnn.config import STUDY_SMALL, NetworkConfig
 from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps
@@ -41,6 +40,7 @@ from proxnav.detection.keypoint_rcnn.weights import load_network, packed, save_n
 from proxnav.detection.samples import TrainingSample
 from proxnav.detection.training import LoopConfig
 from proxnav.errors import InputError
+from proxnav.images.crop import Crop
 
 SIDE = 96
 NORMS = (nn.BatchNorm2d, nn.GroupNorm, FrozenBatchNorm2d)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.geometry import Pose, quaternion, so3
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.evaluation.records import disturbed, truth_along
 
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
 from proxnav.evaluation.metrics import metrics
 from proxnav.evaluation.pairing import pair

@@ -5,15 +5,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from proxnav.datasets.records import SensorRecords, Trajectory
+from proxnav.evaluation.navigation_errors import NavErrors, nav_errors
+from proxnav.flight.sensors.camera import DetectorConfig
+from proxnav.flight.simulate import SensingConfig, SimulationConfig, simulate
+from proxnav.flight.truth import Truth, TruthConfig
+from proxnav.flight.truth_files import true_states
 from proxnav.geometry import Camera
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.errors import NavErrors, nav_errors
 from proxnav.navigation.navigator import Judged, run_filter, scene_of
-from proxnav.navigation.sensors.camera import DetectorConfig
-from proxnav.navigation.simulate import SensingConfig, SimulationConfig, simulate
-from proxnav.navigation.truth import Truth, TruthConfig
-from proxnav.navigation.truth_files import true_states
+from proxnav.records import SensorRecords, Trajectory
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import HoldConfig, hold
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from proxnav.flight.orbit_forces import ForceConfig
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, MU_EARTH
-from proxnav.navigation.orbit_forces import ForceConfig
 
 TWO_BODY = ForceConfig(j2=False, density_kg_m3=0.0)
 A = EARTH_EQUATORIAL_RADIUS + 400e3  # m

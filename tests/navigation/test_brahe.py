@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from navigation.orbits import ELLIPSE_STATE, TWO_BODY, target_at
+from proxnav.flight.orbit_forces import fly
 from proxnav.geometry.relative_motion import eci_from_ric
-from proxnav.navigation.orbit_forces import fly
 from proxnav.navigation.relative_elements import elements, relative_elements
 
 brahe = pytest.importorskip("brahe", reason="brahe is not installed (extra dev)")

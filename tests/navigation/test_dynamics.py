@@ -8,10 +8,10 @@ from jaxtyping import Float
 
 from navigation.orbits import ELLIPSE_STATE, TWO_BODY, A, N, target_at
 from proxnav.errors import InputError
+from proxnav.flight.orbit_forces import Burn, ForceConfig, acceleration, fly
 from proxnav.geometry.celestial import MU_EARTH
 from proxnav.geometry.relative_motion import cw_transition, eci_from_ric, ric_from_eci
 from proxnav.navigation.kernels.relative import gradient_transition, gravity_gradient
-from proxnav.navigation.orbit_forces import Burn, ForceConfig, acceleration, fly
 from proxnav.navigation.relative_elements import (
     Elements,
     RelativeElements,

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from navigation.flights import CAMERA, SENSING, TIGHT, filtered, fly, points, reference, without
-from proxnav.datasets.records import SensorRecords
 from proxnav.errors import InputError
+from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors, outcomes
+from proxnav.flight.faults import rows, with_fault
+from proxnav.flight.simulate import SimulationConfig, simulate
+from proxnav.flight.truth import Truth, TruthConfig, TumbleConfig
+from proxnav.flight.truth_files import true_states
 from proxnav.geometry import quaternion
 from proxnav.navigation.config import FilterNoise, NavigationConfig
-from proxnav.navigation.errors import NavErrors, mean_nis, nav_errors, outcomes
 from proxnav.navigation.events import Event, events
-from proxnav.navigation.faults import rows, with_fault
 from proxnav.navigation.navigator import Navigator, run_filter, scene_of
 from proxnav.navigation.observe import in_target_axes, lasting_of_keypoints, lasting_of_pose
 from proxnav.navigation.prediction import predict_view
-from proxnav.navigation.simulate import SimulationConfig, simulate
 from proxnav.navigation.smoother import smooth
-from proxnav.navigation.truth import Truth, TruthConfig, TumbleConfig
-from proxnav.navigation.truth_files import true_states
+from proxnav.records import SensorRecords
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import ApproachConfig, straight_approach
 

@@ -9,22 +9,23 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from navigation.flights import CAMERA, points
 from navigation.orbits import target_at
+from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors
+from proxnav.flight.attitude_motion import mean_rates
+from proxnav.flight.orbit_forces import ForceConfig, fly
+from proxnav.flight.sensors.camera import DetectorConfig
+from proxnav.flight.simulate import SensingConfig, sense
+from proxnav.flight.truth import Truth
+from proxnav.flight.truth_files import true_states
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import R_eci_ric
-from proxnav.navigation.attitude_motion import mean_rates
-from proxnav.navigation.config import CameraErrors, FilterNoise, NavigationConfig
-from proxnav.navigation.errors import NavErrors, mean_nis, nav_errors
+from proxnav.navigation.config import FilterNoise, NavigationConfig
 from proxnav.navigation.navigator import run_filter, scene_of
-from proxnav.navigation.orbit_forces import ForceConfig, fly
-from proxnav.navigation.sensors.camera import DetectorConfig
-from proxnav.navigation.simulate import SensingConfig, sense
-from proxnav.navigation.truth import Truth
-from proxnav.navigation.truth_files import true_states
+from proxnav.records.error_model import KeypointErrorModel
 from proxnav.targets.loading import load_target
 from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig
 
-GOOD = CameraErrors(pose_share=0.05, point_share=0.2, white_share=0.5, tau_s=60.0)
+GOOD = KeypointErrorModel(pose_share=0.05, point_share=0.2, white_share=0.5, tau_s=60.0)
 """A better detector than ours, so that the motion shows."""
 STEERED = FilterNoise(acceleration=3e-4)
 """Both holds are kept by thrusters of which no accelerometer tells: up to 5e-5 m/s^2 for minutes."""

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from navigation.flights import CAMERA, SENSING, fly, points
-from proxnav.cli import main
-from proxnav.datasets.records import KeypointData, SensorRecords
+from proxnav.benchmarks.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
+from proxnav.cli.main import main
+from proxnav.datasets.sensor_records.files import read_records, write_records
 from proxnav.errors import InputError
-from proxnav.evaluation.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
+from proxnav.flight.attitude_motion import WobbleConfig, wobble
+from proxnav.flight.sensors.fixes import CARRIER_GNSS, GnssConfig, StarTrackerConfig, read_gnss, read_star_tracker
+from proxnav.flight.sensors.gauss_markov import gauss_markov
+from proxnav.flight.sensors.inertial import AccelerometerConfig, GyroConfig, read_accelerometer, read_gyro
+from proxnav.flight.truth import Truth
+from proxnav.flight.truth_files import read_truth, true_states, write_truth
 from proxnav.geometry import quaternion, so3
-from proxnav.navigation.attitude_motion import WobbleConfig, wobble
-from proxnav.navigation.config import CameraErrors, PoseErrors
-from proxnav.navigation.record_files import read_records, write_records
-from proxnav.navigation.sensors.fixes import CARRIER_GNSS, GnssConfig, StarTrackerConfig, read_gnss, read_star_tracker
-from proxnav.navigation.sensors.gauss_markov import gauss_markov
-from proxnav.navigation.sensors.inertial import AccelerometerConfig, GyroConfig, read_accelerometer, read_gyro
-from proxnav.navigation.truth import Truth
-from proxnav.navigation.truth_files import read_truth, true_states, write_truth
+from proxnav.records import KeypointData, SensorRecords
+from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
 
 
 def test_gauss_markov_has_its_sigma_and_its_correlation_time(rng: np.random.Generator) -> None:
@@ -86,7 +86,7 @@ def test_star_tracker_is_worst_about_its_boresight(rng: np.random.Generator) -> 
 def test_keypoint_errors_have_the_shares_and_the_memory_that_were_asked_for(
     pose: float, point: float, white: float
 ) -> None:
-    errors = CameraErrors(pose_share=pose, point_share=point, white_share=white, tau_s=20.0)
+    errors = KeypointErrorModel(pose_share=pose, point_share=point, white_share=white, tau_s=20.0)
     frames = []
     for seed in range(3):
         sensing = replace(SENSING, detector=replace(SENSING.detector, errors=errors))
@@ -102,7 +102,7 @@ def test_keypoint_errors_have_the_shares_and_the_memory_that_were_asked_for(
 
 @pytest.mark.parametrize(("lasting", "white"), [(0.3, 0.03), (0.1, 0.3), (1.0, 0.01)])
 def test_pose_errors_have_the_shares_and_the_memory_that_were_asked_for(lasting: float, white: float) -> None:
-    errors = PoseErrors(lasting_share=lasting, white_share=white, tau_s=20.0)
+    errors = PoseErrorModel(lasting_share=lasting, white_share=white, tau_s=20.0)
     poses = []
     for seed in range(3):
         sensing = replace(SENSING, detector=replace(SENSING.detector, pose_errors=errors))

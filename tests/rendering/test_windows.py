@@ -3,8 +3,8 @@
 import numpy as np
 import trimesh
 
-from proxnav.datasets.records import Window
 from proxnav.geometry import Camera, Pose
+from proxnav.records import Window
 from proxnav.rendering.windows import MARGIN_PX, target_window
 
 CAMERA = Camera(200, 100, 300.0, 300.0, 100.0, 50.0)

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import SceneSpec, Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, quaternion
 from proxnav.geometry.celestial import q_eci_ecef
+from proxnav.records import SceneSpec, Trajectory
 from proxnav.scenes import SceneConfig, scene_at
 from proxnav.scenes.from_trajectory import apparent_velocity, camera_rate
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from proxnav.datasets.records import SceneSpec, SensorSpec
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, quaternion
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import sun_visible_fraction
+from proxnav.records import SceneSpec, SensorSpec
 from proxnav.scenes import RandomSceneConfig, SunConfig, ViewConfig, random_scene
 from proxnav.scenes.random_view import sees_earth
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import ExposureSpec, Frame, SceneSpec, SensorSpec, SunSpec, Window
 from proxnav.geometry import Camera
+from proxnav.records import ExposureSpec, Frame, SceneSpec, SensorSpec, SunSpec, Window
 
 CAMERA = Camera(width=256, height=192, fx=300.0, fy=300.0, cx=128.0, cy=96.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import ExposureSpec, SensorSpec
+from proxnav.records import ExposureSpec, SensorSpec
 from proxnav.sensor import AutoExposure, ControlState, choose_exposure, control_exposure, expose, measure_level
 
 

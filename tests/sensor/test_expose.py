@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import ExposureSpec, SensorSpec, Window
-from proxnav.datasets.records.scene import SUN_IRRADIANCE
 from proxnav.geometry import Camera
+from proxnav.records import ExposureSpec, SensorSpec, Window
+from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.sensor import detector, expose
 from proxnav.sensor.expose import form_image
 from proxnav.sensor.layers import defocus_m

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import ExposureSpec, SensorSpec, SunSpec, Window
-from proxnav.datasets.records.scene import SUN_HALF_ANGLE
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.records import ExposureSpec, SensorSpec, SunSpec, Window
+from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.sensor import expose, flare
 from proxnav.sensor.expose import form_image
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import ExposureSpec, Window
 from proxnav.errors import InputError
+from proxnav.records import ExposureSpec, Window
 from proxnav.sensor.colour import demosaic, mosaic
 from proxnav.sensor.detector import read_out
 from proxnav.sensor.presets import (

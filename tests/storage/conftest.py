@@ -8,7 +8,7 @@ from urllib.request import Request, urlopen
 
 import pytest
 
-from proxnav.datasets.cache import cache_folder
+from proxnav.storage.cache import cache_folder
 
 
 @pytest.fixture

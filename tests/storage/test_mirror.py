@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from proxnav.datasets.mirror import Mirror, as_url, sent_back
 from proxnav.errors import InputError
+from proxnav.storage.mirror import Mirror, as_url, sent_back
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # botocore's own
 

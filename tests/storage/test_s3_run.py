@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
@@ -36,7 +36,7 @@ def test_render_train_estimate_evaluate_on_s3(bucket, tmp_path: Path, capsys) ->
 
 
 def test_a_render_that_was_cut_off_resumes_from_storage(bucket, tmp_path: Path, monkeypatch) -> None:
-    from proxnav.datasets.writer import DatasetWriter
+    from proxnav.datasets.set.writer import DatasetWriter
 
     words = ["render", "--renderer", "raycast", "--frames", "4", "--size", "64", "--out"]
     assert main([*words, str(tmp_path / "whole")]) == 0

@@ -14,11 +14,11 @@ from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from proxnav.errors import InputError
-from proxnav.targets.axes import R_target_file
-from proxnav.targets.from_mesh import from_mesh, isolated_parts
-from proxnav.targets.keypoints import near_symmetries, seen_share, sharpness
+from proxnav.targets.cad.axes import R_target_file
+from proxnav.targets.cad.from_mesh import from_mesh, isolated_parts
+from proxnav.targets.keypoints.choice import near_symmetries, seen_share, sharpness
+from proxnav.targets.keypoints.point_files import load_points
 from proxnav.targets.loading import load_target, save_target
-from proxnav.targets.points import load_points
 from proxnav.targets.space_rider import space_rider
 from proxnav.targets.target import Target
 

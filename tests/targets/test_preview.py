@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 from proxnav.errors import InputError
 from proxnav.targets.loading import load_target
 from proxnav.targets.preview import VIEWS, _views, contact_sheet

@@ -7,13 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from proxnav.errors import InputError
+from proxnav.targets.keypoints.visibility import first_faces, first_hits
 from proxnav.targets.solids import Piece
 from proxnav.targets.space_rider import SpaceRiderParams, space_rider
 from proxnav.targets.space_rider.equipment import equipment
 from proxnav.targets.space_rider.orbital_module import orbital_module
 from proxnav.targets.space_rider.reentry_module import reentry_module
 from proxnav.targets.space_rider.wings import wings
-from proxnav.targets.visibility import first_faces, first_hits
 
 
 def mesh_of(pieces: list[Piece]) -> trimesh.Trimesh:

@@ -6,16 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from proxnav.cli import main
-from proxnav.datasets.dataset import encode_png
-from proxnav.datasets.files import write_atomic, write_json
-from proxnav.datasets.run_frames import FrameNote, RunFrames, write_run_frames
-from proxnav.datasets.speed import PoseRecord, read_poses, write_poses
+from proxnav.cli.main import main
+from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses, write_poses
+from proxnav.datasets.set.dataset import encode_png
 from proxnav.evaluation.consistency import consistency
 from proxnav.evaluation.metrics import metrics
 from proxnav.evaluation.pairing import pair
+from proxnav.evaluation.run_frames import FrameNote, RunFrames, write_run_frames
 from proxnav.evaluation.summary import summarise_frames
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.storage.files import write_atomic, write_json
 from proxnav.targets.loading import load_target
 
 CAMERA = Camera(96, 80, 130.0, 131.0, 47.0, 41.0)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import Keypoints
 from proxnav.geometry import Camera, Pose
+from proxnav.records import Keypoints
 from proxnav.viewing.overlay import caption, contact_sheet, overlay
 
 CAMERA = Camera(width=200, height=160, fx=300.0, fy=300.0, cx=100.0, cy=80.0)

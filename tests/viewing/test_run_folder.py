@@ -5,11 +5,11 @@ import shutil
 import numpy as np
 import pytest
 
-from proxnav.datasets.files import write_json
-from proxnav.datasets.speed import read_poses
+from proxnav.datasets.formats.speed_poses import read_poses
 from proxnav.errors import InputError
 from proxnav.evaluation.pairing import pair
 from proxnav.geometry.perturbation import difference
+from proxnav.storage.files import write_json
 from proxnav.viewing.run_folder import from_best_to_worst, read_run
 
 

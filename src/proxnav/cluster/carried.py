@@ -4,8 +4,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from proxnav.datasets.files import inside, write_atomic
 from proxnav.errors import InputError
+from proxnav.storage.files import inside, write_atomic
 
 MAX_BYTES = 2**30
 

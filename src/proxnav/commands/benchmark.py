@@ -1,6 +1,6 @@
 """`proxnav benchmark`: measured tables beside their references."""
 
-from proxnav.commands.choice import choose
+from proxnav.cli.choice import choose
 
 BENCHMARKS = {
     "table1": ("benchmark_table1", "main", "pose errors on the fixed Cycles set, beside the study"),

@@ -11,13 +11,10 @@ import numpy as np
 import tyro
 
 from proxnav import presets
+from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, check_workers, run_anywhere
 from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.look_jobs import LookJob
-from proxnav.commands.progress import progress
-from proxnav.crops import BEHIND_M
-from proxnav.datasets.files import write_json
-from proxnav.datasets.records import PoseResult, SceneSpec
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.evaluation.errors import pose_errors
@@ -25,9 +22,12 @@ from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import EARTH_MEAN_RADIUS, sun_visible_fraction
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
+from proxnav.learning.crops import BEHIND_M
 from proxnav.presets import Preset
+from proxnav.records import PoseResult, SceneSpec
 from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
 from proxnav.scenes.random_sun import phase_angle
+from proxnav.storage.files import write_json
 from proxnav.targets.loading import load_target
 
 Change = Callable[[SceneSpec], SceneSpec]

@@ -12,19 +12,19 @@ import numpy as np
 import tyro
 
 from proxnav import presets
+from proxnav.benchmarks.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
+from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, check_workers, run_anywhere
 from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.look_jobs import LookJob
-from proxnav.commands.progress import progress
-from proxnav.datasets.files import write_json
-from proxnav.datasets.records import Keypoints, PoseResult, SceneSpec, Trajectory
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
-from proxnav.evaluation.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
 from proxnav.geometry import Pose, so3
 from proxnav.geometry.perturbation import difference
 from proxnav.pipeline import observable
+from proxnav.records import Keypoints, PoseResult, SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
+from proxnav.storage.files import write_json
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import OBSERVATION_10_100_STRICT, select, walking_safety_ellipse
 

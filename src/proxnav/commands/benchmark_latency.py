@@ -11,13 +11,13 @@ import numpy as np
 import tyro
 
 from proxnav import presets
-from proxnav.commands.progress import progress
-from proxnav.datasets.files import write_json
+from proxnav.cli.progress import progress
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.pipeline import draw_scenes
+from proxnav.storage.files import write_json
 
 
 @dataclass(frozen=True)

@@ -12,17 +12,17 @@ import numpy as np
 import tyro
 
 from proxnav import presets
+from proxnav.benchmarks.filter_speed import measure_speed
+from proxnav.benchmarks.monte_carlo import Case, RunJob, RunResult, judge_fault, summarise
+from proxnav.benchmarks.run_files import fingerprint, read_runs, write_runs
+from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, run_anywhere
-from proxnav.commands.progress import progress
-from proxnav.datasets.files import read_json, write_json
+from proxnav.flight.faults import Fault
+from proxnav.flight.sensors.fixes import StarTrackerConfig
+from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
+from proxnav.flight.truth import TruthConfig
 from proxnav.navigation.config import FilterNoise, NavigationConfig
-from proxnav.navigation.faults import Fault
-from proxnav.navigation.monte_carlo import Case, RunJob, RunResult, judge_fault, summarise
-from proxnav.navigation.run_files import fingerprint, read_runs, write_runs
-from proxnav.navigation.sensors.fixes import StarTrackerConfig
-from proxnav.navigation.simulate import Grade, SensingConfig, SimulationConfig
-from proxnav.navigation.speed import measure_speed
-from proxnav.navigation.truth import TruthConfig
+from proxnav.storage.files import read_json, write_json
 
 _SAVE_EVERY = 10
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import tyro
 
 from proxnav import presets
-from proxnav.commands.progress import progress
-from proxnav.datasets.files import write_json
-from proxnav.datasets.records import SceneSpec
-from proxnav.datasets.run_record import run_record
-from proxnav.datasets.writer import DatasetWriter
+from proxnav.cli.progress import progress
+from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, FrameJob, Renderer
 from proxnav.pipeline import draw_scenes
+from proxnav.records import SceneSpec
+from proxnav.storage.files import write_json
+from proxnav.storage.run_record import run_record
 from proxnav.targets.loading import load_target
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import tyro
 
-from proxnav.datasets.files import write_json
+from proxnav.benchmarks.solve import benchmark_solve
 from proxnav.errors import InputError
-from proxnav.pose.benchmark import benchmark_solve
+from proxnav.storage.files import write_json
 
 
 @dataclass(frozen=True)

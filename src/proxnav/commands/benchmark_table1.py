@@ -10,14 +10,14 @@ import numpy as np
 import tyro
 
 from proxnav import presets
+from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL
 from proxnav.commands.estimate import find_images, observe_anywhere
-from proxnav.commands.progress import progress
-from proxnav.datasets.records import SceneSpec
 from proxnav.detection.sessions import Backend
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.pipeline import draw_scenes, judge, render, write_run
+from proxnav.records import SceneSpec
 
 
 @dataclass(frozen=True)

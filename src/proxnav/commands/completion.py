@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 
 import tyro
 
-from proxnav.commands import COMMANDS
+from proxnav.cli.commands import COMMANDS
+from proxnav.cli.help_pages import FULL, captured
 from proxnav.errors import InputError
-from proxnav.help_pages import FULL, captured
 
 Words = dict[str, list[str]]
 """What may follow: by 'render' or 'train heatmap' the options, by 'render --renderer' the values."""

@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 import tyro
 
 from proxnav.commands.flight_csv import Craft, flight_csv
-from proxnav.datasets.dataset import Dataset
 from proxnav.datasets.formats import READERS, WRITERS, Labels, ReadOptions, WriteOptions, read_labels, write_labels
-from proxnav.datasets.records import Trajectory
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.datasets.shards import is_sharded, unpack_shards, write_shards
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.records import Trajectory
 from proxnav.targets import Target
 from proxnav.trajectories.readers.config import ReaderConfig
 
@@ -184,8 +184,8 @@ def _options(config: ConvertConfig) -> tuple[Target | None, ReadOptions]:
 
 
 def _target(name: str | None) -> tuple:
+    from proxnav.targets.keypoints.point_files import load_points
     from proxnav.targets.loading import load_target
-    from proxnav.targets.points import load_points
 
     if name is None:
         return None, None, ()

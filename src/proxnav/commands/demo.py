@@ -6,13 +6,13 @@ from pathlib import Path
 import tyro
 
 from proxnav import presets
+from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.commands.estimate import find_images, observe_images
-from proxnav.commands.progress import progress, say_when_compiling
-from proxnav.datasets.files import write_atomic
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.pipeline import follow, judge, render, write_run
+from proxnav.storage.files import write_atomic
 from proxnav.viewing.report import report_html
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from proxnav.datasets.records import SceneSpec
 from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.frames import FrameConfig
 from proxnav.pipeline import render
+from proxnav.records import SceneSpec
 
 _FRAMES = 3
 _DRAWN = 8

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
+from proxnav.cli.progress import progress
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import is_elsewhere, run_anywhere
-from proxnav.commands.progress import progress
-from proxnav.datasets.dataset import decode_image, read_image_file
-from proxnav.datasets.records import Keypoints
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
+from proxnav.datasets.set.dataset import decode_image, read_image_file
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator, shipped_models
 from proxnav.geometry import Camera
+from proxnav.records import Keypoints
 
 Sent = tuple[str, bytes]
 """Name and content of an image, for workers that do not see the file."""

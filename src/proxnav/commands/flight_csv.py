@@ -5,9 +5,9 @@ from typing import Literal
 
 import numpy as np
 
-from proxnav.datasets.records import Trajectory
 from proxnav.geometry import quaternion
 from proxnav.geometry.epochs import parse_iso
+from proxnav.records import Trajectory
 
 Craft = Literal["target", "chaser"]
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from proxnav.cluster.carried import Carried
 from proxnav.commands.estimate_jobs import load_model
-from proxnav.datasets.records import Keypoints, PoseResult, SceneSpec
 from proxnav.detection.sessions import Backend
 from proxnav.frames import FrameConfig, FrameJob
+from proxnav.records import Keypoints, PoseResult, SceneSpec
 from proxnav.targets import Target
 
 

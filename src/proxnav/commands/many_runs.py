@@ -6,13 +6,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from proxnav.cli.progress import progress
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import run_anywhere
-from proxnav.commands.progress import progress
-from proxnav.datasets.files import inside, read_json, write_atomic, write_json
-from proxnav.datasets.lock import only_run_in
-from proxnav.datasets.run_record import plain, run_record
 from proxnav.errors import InputError
+from proxnav.storage.files import inside, read_json, write_atomic, write_json
+from proxnav.storage.lock import only_run_in
+from proxnav.storage.run_record import plain, run_record
 
 Named = tuple[str, Any]
 """Name of a run, which is its folder's, and what the run is made of."""

@@ -9,15 +9,15 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import POOL, check_workers, is_elsewhere
 from proxnav.commands.many_runs import Named, run_many
 from proxnav.commands.navigate_jobs import Solved, SolveJob, Solving, accuracy, solve_flight
-from proxnav.commands.progress import progress, say_when_compiling
-from proxnav.datasets.files import read_json, write_json
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.navigation.config import NavigationConfig
+from proxnav.storage.files import read_json, write_json
 from proxnav.targets.loading import load_target
 
 

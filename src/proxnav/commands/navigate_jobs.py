@@ -9,17 +9,17 @@ import numpy as np
 
 from proxnav.cluster.carried import Carried
 from proxnav.commands.many_runs import Named, files_of
-from proxnav.datasets.files import write_atomic, write_json
-from proxnav.datasets.records import NavState
+from proxnav.datasets.sensor_records.files import read_records
+from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors, outcomes
+from proxnav.evaluation.solution_files import csv_text, solution_columns
+from proxnav.flight.truth_files import TrueStates, read_truth
 from proxnav.geometry import Camera
 from proxnav.geometry.types import Points
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.errors import NavErrors, mean_nis, nav_errors, outcomes
 from proxnav.navigation.navigator import run_filter, scene_of
-from proxnav.navigation.record_files import read_records
 from proxnav.navigation.smoother import smooth
-from proxnav.navigation.solution_files import csv_text, solution_columns
-from proxnav.navigation.truth_files import TrueStates, read_truth
+from proxnav.records import NavState
+from proxnav.storage.files import write_atomic, write_json
 from proxnav.viewing.plots import errors_in_3_sigma
 
 

@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 import tyro
 
 from proxnav import presets
+from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.cluster.jobs import POOL, check_workers
-from proxnav.commands.progress import progress, say_when_compiling
-from proxnav.datasets.records import SceneSpec
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.geometry import Camera
 from proxnav.pipeline import draw_scenes, follow, render
+from proxnav.records import SceneSpec
 from proxnav.sensor.presets import sensor_by_name
 from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig

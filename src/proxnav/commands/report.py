@@ -22,7 +22,7 @@ class ReportConfig:
 def main(argv: list[str]) -> None:
     """Entry of `proxnav report`."""
     config = tyro.cli(ReportConfig, args=argv, prog="proxnav report")
-    from proxnav.datasets.files import write_atomic
+    from proxnav.storage.files import write_atomic
     from proxnav.viewing.report import report_html
 
     page = report_html(config.run, config.title or config.run.resolve().name)

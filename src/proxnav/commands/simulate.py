@@ -12,10 +12,10 @@ from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.many_runs import run_many, single
 from proxnav.commands.simulate_jobs import Flight, FlightJob, write_flight
-from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
-from proxnav.navigation.simulate import SensingConfig
-from proxnav.navigation.truth import TruthConfig
+from proxnav.flight.simulate import SensingConfig
+from proxnav.flight.truth import TruthConfig
+from proxnav.records import Trajectory
 from proxnav.targets.loading import load_target
 from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig

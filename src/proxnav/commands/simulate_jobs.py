@@ -10,19 +10,19 @@ from typing import Literal
 import numpy as np
 
 from proxnav import presets
+from proxnav.cli.progress import progress
 from proxnav.closed_loop import ClosedLoopConfig, closed_loop, frame_times
 from proxnav.cluster.carried import Carried
 from proxnav.commands.many_runs import Named, files_of
-from proxnav.commands.progress import progress
-from proxnav.datasets.files import write_json
-from proxnav.datasets.records import SensorRecords, Trajectory
-from proxnav.datasets.run_record import run_record
+from proxnav.datasets.sensor_records.files import write_records
+from proxnav.flight.simulate import SensingConfig, SimulationConfig, sense, simulate
+from proxnav.flight.truth import Truth, TruthConfig, simulate_truth
+from proxnav.flight.truth_files import true_states, write_truth
 from proxnav.geometry.camera_files import speed_json
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.record_files import write_records
-from proxnav.navigation.simulate import SensingConfig, SimulationConfig, sense, simulate
-from proxnav.navigation.truth import Truth, TruthConfig, simulate_truth
-from proxnav.navigation.truth_files import true_states, write_truth
+from proxnav.records import SensorRecords, Trajectory
+from proxnav.storage.files import write_json
+from proxnav.storage.run_record import run_record
 from proxnav.targets import Target
 
 Told = AbstractContextManager[Callable[[], None]]

@@ -10,13 +10,13 @@ import numpy as np
 import tyro
 from jaxtyping import Float
 
-from proxnav.commands.progress import progress
-from proxnav.datasets.files import check_new_file
-from proxnav.datasets.speed import PoseRecord, write_poses
+from proxnav.cli.progress import progress
+from proxnav.datasets.formats.speed_poses import PoseRecord, write_poses
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
-from proxnav.pose.config import PoseConfig
-from proxnav.pose.keypoint_files import KeypointRecord, PixelOrigin, read_keypoints
+from proxnav.pose.solve.config import PoseConfig
+from proxnav.pose.solve.keypoint_files import KeypointRecord, PixelOrigin, read_keypoints
+from proxnav.storage.files import check_new_file
 
 _POINT_FILES = {".mat", ".csv"}
 
@@ -57,8 +57,8 @@ def main(argv: list[str]) -> None:
 
 def target_points(name_or_path: str, subset: str = "") -> Float[np.ndarray, "n 3"]:
     """The 3-D keypoints [m] of a target's name or file, or the points of a .mat, .json or .csv file."""
+    from proxnav.targets.keypoints.point_files import load_points
     from proxnav.targets.loading import load_target
-    from proxnav.targets.points import load_points
 
     suffix = Path(name_or_path).suffix.lower()
     if suffix in _POINT_FILES and subset:
@@ -73,7 +73,7 @@ def solve_images(
     keypoints: Sequence[KeypointRecord], points_target_m: Float[np.ndarray, "n 3"], camera: Camera, config: PoseConfig
 ) -> list[PoseRecord]:
     """One record per image, in order."""
-    from proxnav.pose.estimate import estimate_pose
+    from proxnav.pose.solve.estimate import estimate_pose
 
     records = []
     with progress("solve", len(keypoints)) as done:

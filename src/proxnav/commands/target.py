@@ -73,9 +73,9 @@ def show(config: Show) -> None:
 def new(config: New) -> None:
     """Makes a target, writes it, and says what deserves a second look."""
     from proxnav.commands.target_accuracy import accuracy_table
-    from proxnav.targets.from_mesh import from_mesh
+    from proxnav.targets.cad.from_mesh import from_mesh
+    from proxnav.targets.keypoints.point_files import load_points
     from proxnav.targets.loading import save_target
-    from proxnav.targets.points import load_points
 
     config = asked(config)
     target = from_mesh(
@@ -100,9 +100,9 @@ def new(config: New) -> None:
 
 def second_looks(target: Target) -> Iterator[str]:
     """What deserves a second look: stray parts, turns that a network may confuse, weak keypoints."""
-    from proxnav.targets.from_mesh import isolated_parts
-    from proxnav.targets.keypoint_quality import complaints, mistaken
-    from proxnav.targets.keypoints import near_symmetries
+    from proxnav.targets.cad.from_mesh import isolated_parts
+    from proxnav.targets.keypoints.choice import near_symmetries
+    from proxnav.targets.keypoints.quality import complaints, mistaken
 
     for part in isolated_parts(target):
         yield f"part '{part}' lies far from the rest; leave it out with --without {part}"
@@ -118,7 +118,7 @@ def second_looks(target: Target) -> Iterator[str]:
 
 def asked(config: New) -> New:
     """With the unit from the keyboard where neither unit nor length was given and somebody sits at it."""
-    from proxnav.targets.from_mesh import UNITS_M, file_extents
+    from proxnav.targets.cad.from_mesh import UNITS_M, file_extents
 
     if config.unit is not None or config.length_m is not None or not sys.stdin.isatty():
         return config
@@ -136,7 +136,7 @@ def asked(config: New) -> New:
 
 def unit_in_metres(unit: str | None) -> float | None:
     """Metres per file unit, from a unit's name or a number."""
-    from proxnav.targets.from_mesh import UNITS_M
+    from proxnav.targets.cad.from_mesh import UNITS_M
 
     if unit is None or unit in UNITS_M:
         return None if unit is None else UNITS_M[unit]

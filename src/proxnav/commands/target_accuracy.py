@@ -6,9 +6,9 @@ from jaxtyping import Float
 from proxnav import presets
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
-from proxnav.pose.crlb import cramer_rao_white
+from proxnav.pose.solve.crlb import cramer_rao_white
+from proxnav.targets.keypoints.visibility import visible_keypoints
 from proxnav.targets.target import Target
-from proxnav.targets.visibility import visible_keypoints
 
 RANGES_M = (10.0, 20.0, 30.0, 50.0, 75.0, 100.0)
 VIEWS = 120

@@ -2,7 +2,7 @@
 
 from importlib.util import find_spec
 
-from proxnav.commands.choice import choose
+from proxnav.cli.choice import choose
 from proxnav.errors import InputError
 
 NETWORKS = {

@@ -8,8 +8,7 @@ import numpy as np
 import tyro
 
 from proxnav import presets
-from proxnav.commands.progress import progress
-from proxnav.crops import BEHIND_M
+from proxnav.cli.progress import progress
 from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
 from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
 from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
@@ -19,9 +18,10 @@ from proxnav.estimator import PoseEstimator, write_model_card
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
+from proxnav.learning.alignment_calibration import KEPT, Samples, calibrated
+from proxnav.learning.crops import BEHIND_M
 from proxnav.pipeline import draw_scenes
-from proxnav.pose.alignment import AlignConfig
-from proxnav.pose.alignment.calibration import KEPT, Samples, calibrated
+from proxnav.pose.align import AlignConfig
 from proxnav.targets.loading import GENERATED, load_target, save_target
 
 _CALIBRATION_SEED = 8_000_001

@@ -9,9 +9,6 @@ import tyro
 from torch import nn
 
 from proxnav import presets
-from proxnav.crops import CropConfig, CropJob, WholeFrameJob, sample_source
-from proxnav.datasets.files import write_json
-from proxnav.datasets.run_record import run_record
 from proxnav.detection.heatmap.train import (
     TrainFinderConfig,
     TrainHeatmapConfig,
@@ -21,6 +18,9 @@ from proxnav.detection.heatmap.train import (
 )
 from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.errors import InputError
+from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, sample_source
+from proxnav.storage.files import write_json
+from proxnav.storage.run_record import run_record
 from proxnav.targets.loading import load_target
 
 _VALIDATION_SEED = 7_000_001

@@ -9,14 +9,9 @@ import numpy as np
 import tyro
 
 from proxnav import presets
-from proxnav.commands.progress import progress
-from proxnav.commands.rcnn_validation import fresh_frames, kept_aside, mean_e_c
-from proxnav.crops import CropConfig, MixedJob, WholeFrameJob, sample_source
-from proxnav.datasets.dataset import Dataset
-from proxnav.datasets.files import write_json
-from proxnav.datasets.run_record import run_record
+from proxnav.cli.progress import progress
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.datasets.shards import is_sharded, read_index
-from proxnav.detection.images import grey_8_bit
 from proxnav.detection.keypoint_rcnn.calibrate import fit_calibration
 from proxnav.detection.keypoint_rcnn.decode import Calibration
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig
@@ -31,6 +26,11 @@ from proxnav.detection.training import Validate
 from proxnav.detection.training.ranks import is_first_rank
 from proxnav.errors import InputError
 from proxnav.estimator import write_model_card
+from proxnav.images.grey import grey_8_bit
+from proxnav.learning.crops import CropConfig, MixedJob, WholeFrameJob, sample_source
+from proxnav.learning.rcnn_validation import fresh_frames, kept_aside, mean_e_c
+from proxnav.storage.files import write_json
+from proxnav.storage.run_record import run_record
 from proxnav.targets.loading import load_target
 
 _CALIBRATION_SEED = 8_000_002

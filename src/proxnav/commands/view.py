@@ -36,7 +36,7 @@ def main(argv: list[str]) -> None:
     config = tyro.cli(ViewConfig, args=argv, prog="proxnav view")
     if config.every < 1:
         raise InputError(f"--every {config.every}: expected 1 or more")
-    from proxnav.datasets.files import check_new_file
+    from proxnav.storage.files import check_new_file
     from proxnav.viewing.replay.of_run import read_replay
 
     write = None if config.save is None else _writer(config)

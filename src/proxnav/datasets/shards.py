@@ -16,12 +16,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from proxnav.datasets import coco
-from proxnav.datasets.dataset import Dataset
-from proxnav.datasets.files import MAX_JSON_BYTES, inside, json_bytes, read_json, write_atomic, write_json
-from proxnav.datasets.mirror import as_url, filesystem, refused
-from proxnav.datasets.records import FrameLabel
+from proxnav.datasets.set import coco
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
+from proxnav.records import FrameLabel
+from proxnav.storage.files import MAX_JSON_BYTES, inside, json_bytes, read_json, write_atomic, write_json
+from proxnav.storage.mirror import as_url, filesystem, refused
 
 VERSION = 1
 MAX_SHARD_BYTES = 2**31

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
 from proxnav.evaluation.errors import PoseErrors, pose_errors
 from proxnav.geometry import Pose

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.evaluation.errors import COMBINED, PoseErrors
 from proxnav.evaluation.pairing import Frame, errors_of, pair
 

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from proxnav.datasets.records import NavState, NavStatus
 from proxnav.geometry import Camera, quaternion, so3
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.kernels.orbit import orbit_at
 from proxnav.navigation.kernels.prediction import CAMERA_TAU
 from proxnav.navigation.layout import FIXED, PUBLISHED
+from proxnav.records import NavState, NavStatus
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,45 +7,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2
 
-from proxnav.datasets.records.scene import Triple
 from proxnav.errors import InputError
-
-
-@dataclass(frozen=True)
-class CameraErrors:
-    """How the covariance that the detector claims of keypoints divides; the shares need not add up to 1.
-
-    `proxnav benchmark detector` measures these numbers; docs/navigation.md says what they mean.
-    """
-
-    pose_share: float = 0.72
-    """Lasts as an error of the whole pose: the network sees a target of the right shape in a wrong place."""
-    point_share: float = 0.085
-    """Lasts too, of each keypoint by itself."""
-    white_share: float = 0.0046
-    """New in every frame."""
-    tau_s: float = 385.0
-    """How long lasting errors last (first-order Gauss-Markov)."""
-
-    def __post_init__(self) -> None:
-        if min(self.pose_share, self.point_share) < 0.0 or not self.white_share > 0.0 or not self.tau_s > 0.0:
-            raise InputError("camera: white_share and tau_s must be positive, the other shares at least 0")
-
-
-@dataclass(frozen=True)
-class PoseErrors:
-    """The same of the poses that the estimator gives, laid onto the image's edges after the keypoints.
-
-    Defaults: `aligned_poses` of benchmarks/results/detector/detector.json, which the same command measures.
-    """
-
-    lasting_share: float = 0.78
-    white_share: float = 0.067
-    tau_s: float = 235.0
-
-    def __post_init__(self) -> None:
-        if self.lasting_share < 0.0 or not self.white_share > 0.0 or not self.tau_s > 0.0:
-            raise InputError("poses: white_share and tau_s must be positive, lasting_share at least 0")
+from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
+from proxnav.records.scene import Triple
 
 
 @dataclass(frozen=True)
@@ -81,9 +45,9 @@ class FilterNoise:
     """Scale and alignment errors of a burn, as a share of it."""
     gnss_bias_m: float = 0.3
     gnss_tau_s: float = 300.0
-    camera: CameraErrors = field(default_factory=CameraErrors)
+    camera: KeypointErrorModel = field(default_factory=KeypointErrorModel)
     """Of keypoints, for tight coupling."""
-    poses: PoseErrors = field(default_factory=PoseErrors)
+    poses: PoseErrorModel = field(default_factory=PoseErrorModel)
     """Of poses, for loose coupling."""
 
 

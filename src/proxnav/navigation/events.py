@@ -6,12 +6,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from proxnav.datasets.records import SensorRecords
 from proxnav.geometry import quaternion
 from proxnav.navigation.belief import Belief, Scene
 from proxnav.navigation.observe import Verdict, take_gnss, take_keypoints, take_pose, take_star_fix
 from proxnav.navigation.propagate import Step, propagate, take_force, take_gyro
 from proxnav.navigation.start import can_start, disagrees_with_control, start
+from proxnav.records import SensorRecords
 
 Kind = Literal["gyro", "accelerometer", "star_tracker", "gnss", "poses", "keypoints"]
 

@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from proxnav.datasets.records import NavState, SensorRecords
+from proxnav.datasets.sensor_records.plausibility import check_together
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, quaternion
 from proxnav.navigation.belief import Belief, Scene, nav_state
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.events import Event, apply, events
 from proxnav.navigation.observe import Outcome, Verdict
-from proxnav.navigation.plausibility import check_together
 from proxnav.navigation.propagate import propagate
+from proxnav.records import NavState, SensorRecords
 
 R_RIC_LVLH = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """LVLH: x along the flight, y against the orbit's normal, z to nadir."""

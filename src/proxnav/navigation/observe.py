@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 from scipy.stats import chi2
 
+from proxnav.geometry.compiled.rotations import conjugate, exp, log, multiply, skew, to_matrix
 from proxnav.navigation.belief import Belief, Scene
 from proxnav.navigation.kernels.prediction import corrected
-from proxnav.navigation.kernels.rotations import conjugate, exp, log, multiply, skew, to_matrix
 from proxnav.navigation.kernels.update import (
     ACCEPTED,
     gnss_model,

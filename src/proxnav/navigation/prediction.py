@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from proxnav.datasets.records import NavState
 from proxnav.geometry import Camera, Pose, so3
 from proxnav.geometry.types import Points
+from proxnav.records import NavState
 
 _SIGMAS = 3.0
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from proxnav.datasets.records import NavState, SensorRecords
 from proxnav.navigation.belief import Belief, Scene, nav_state
 from proxnav.navigation.events import Event, apply, events
 from proxnav.navigation.kernels.prediction import corrected, relative_error
 from proxnav.navigation.layout import CORE
 from proxnav.navigation.observe import in_target_axes, lasting_of_keypoints, lasting_of_pose
 from proxnav.navigation.propagate import Step, propagate
+from proxnav.records import NavState, SensorRecords
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,5 +1,5 @@
 """Pose with covariance from keypoints."""
 
-from proxnav.pose.config import PoseConfig
+from proxnav.pose.solve.config import PoseConfig
 
 __all__ = ["PoseConfig"]

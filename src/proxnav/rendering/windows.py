@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import Window
 from proxnav.geometry import Camera, Pose
+from proxnav.records import Window
 
 MARGIN_PX = 2
 _BULGE = 0.01  # edges between vertices bow outwards under distortion, by this share of the box at most

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from proxnav.datasets.records import EarthSpec, ExposureSpec, SceneSpec, SensorSpec, SunSpec, TextureSpec, Trajectory
-from proxnav.datasets.records.scene import SUN_IRRADIANCE
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, quaternion
 from proxnav.geometry.celestial import ASTRONOMICAL_UNIT, q_eci_ecef, sun_distance_m
 from proxnav.geometry.types import QuatWxyz, Vector3
+from proxnav.records import EarthSpec, ExposureSpec, SceneSpec, SensorSpec, SunSpec, TextureSpec, Trajectory
+from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.scenes.plain import quadruple, triple
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from proxnav.datasets.records.scene import Quadruple, Triple
 from proxnav.geometry import quaternion
+from proxnav.records.scene import Quadruple, Triple
 
 
 def triple(v: np.ndarray) -> Triple:

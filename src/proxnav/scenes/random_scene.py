@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from proxnav.datasets.records import EarthSpec, ExposureSpec, SceneSpec, SensorSpec, SunSpec, TextureSpec
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.celestial import EARTH_MEAN_RADIUS
 from proxnav.geometry.types import QuatWxyz, Vector3
+from proxnav.records import EarthSpec, ExposureSpec, SceneSpec, SensorSpec, SunSpec, TextureSpec
 from proxnav.scenes.plain import quadruple, triple
 from proxnav.scenes.random_sun import SunConfig, draw_light, draw_sun, phase_angle
 from proxnav.scenes.random_view import ViewConfig, draw_view, sees_earth

@@ -5,13 +5,13 @@ from typing import Literal
 
 import numpy as np
 
-from proxnav.datasets.records import SunSpec
-from proxnav.datasets.records.scene import SUN_HALF_ANGLE
 from proxnav.errors import InputError
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, sun_visible_fraction
 from proxnav.geometry.pointing import q_between
 from proxnav.geometry.quaternion import rotate
 from proxnav.geometry.types import Vector3
+from proxnav.records import SunSpec
+from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.scenes.plain import triple
 
 Light = Literal["sunlit", "penumbra", "umbra"]

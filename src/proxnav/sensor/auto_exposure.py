@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import Frame, SceneSpec
+from proxnav.records import Frame, SceneSpec
 from proxnav.sensor.photometry import electron_rate
 
 

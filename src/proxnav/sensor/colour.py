@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float, UInt8, UInt16
 
-from proxnav.datasets.records import Window
+from proxnav.records import Window
 
 
 def mosaic(image: Float[np.ndarray, "height width band=3"], window: Window) -> Float[np.ndarray, "height width"]:

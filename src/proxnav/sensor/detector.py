@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, UInt8, UInt16
 from numba import njit
 
-from proxnav.datasets.records import ExposureSpec, SensorSpec, Window
+from proxnav.records import ExposureSpec, SensorSpec, Window
 from proxnav.sensor import noise
 from proxnav.sensor.blooming import spill
 from proxnav.sensor.particles import add_tracks

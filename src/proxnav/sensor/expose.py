@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from proxnav.datasets.records import Frame, SceneSpec
 from proxnav.geometry import Camera
+from proxnav.records import Frame, SceneSpec
 from proxnav.sensor import blur, colour, flare, glare
 from proxnav.sensor.auto_exposure import choose_exposure
 from proxnav.sensor.detector import gain_e_per_dn, read_out

@@ -12,10 +12,10 @@ import numpy as np
 from jaxtyping import Float
 from numba import njit
 
-from proxnav.datasets.records import Frame, SceneSpec, SensorSpec, Window
-from proxnav.datasets.records.scene import SUN_HALF_ANGLE
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.records import Frame, SceneSpec, SensorSpec, Window
+from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.sensor import noise
 from proxnav.sensor.photometry import BAND_CENTRES_M, electrons_per_radiance, focal_length_m
 

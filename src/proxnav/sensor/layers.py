@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import ExposureSpec, Frame, SensorSpec
 from proxnav.geometry import Camera
+from proxnav.records import ExposureSpec, Frame, SensorSpec
 from proxnav.sensor import blur, motion
 from proxnav.sensor.photometry import focal_length_m
 

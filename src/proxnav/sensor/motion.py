@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import ExposureSpec
 from proxnav.geometry import Camera
+from proxnav.records import ExposureSpec
 
 
 def target_velocity_px(

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import SensorSpec, Window
+from proxnav.records import SensorSpec, Window
 from proxnav.sensor import noise
 
 CHARGE_E_PER_M = 80.0e6  # about 80 electrons per micrometre of silicon for a minimum-ionising particle

@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import SensorSpec, Window
 from proxnav.geometry import Camera
+from proxnav.records import SensorSpec, Window
 
 PLANCK = 6.62607015e-34  # J s, exact (SI 2019)
 LIGHT_SPEED = 299_792_458.0  # m/s, exact

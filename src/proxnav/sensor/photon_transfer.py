@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import ExposureSpec, SensorSpec, Window
+from proxnav.records import ExposureSpec, SensorSpec, Window
 from proxnav.sensor.detector import read_out
 
 _QUANTISATION_DN2 = 1.0 / 12.0  # variance of rounding

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from proxnav.datasets.records import SensorSpec
 from proxnav.errors import InputError
+from proxnav.records import SensorSpec
 
 IDEAL = SensorSpec(bits=12)
 """No noise but that of the photons, no blur; 12 bit."""

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from proxnav.targets.mapping import corner_normals, corner_uv_m
-from proxnav.targets.material import Material
 from proxnav.targets.solids import Piece
+from proxnav.targets.surface.mapping import corner_normals, corner_uv_m
+from proxnav.targets.surface.material import Material
 from proxnav.targets.target import Target
 
 

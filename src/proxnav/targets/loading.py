@@ -4,7 +4,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from proxnav.errors import InputError
-from proxnav.targets.from_mesh import from_mesh
+from proxnav.targets.cad.from_mesh import from_mesh
 from proxnav.targets.space_rider import space_rider
 from proxnav.targets.target import Target
 from proxnav.targets.target_files import read_target, save_target

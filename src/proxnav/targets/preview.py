@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from proxnav.geometry.arrays import unit
+from proxnav.targets.keypoints.visibility import HIT_TOLERANCE, first_faces, occluded
 from proxnav.targets.target import Target
-from proxnav.targets.visibility import HIT_TOLERANCE, first_faces, occluded
 
 Image = UInt8[np.ndarray, "h w 3"]
 VIEWS = (

@@ -7,7 +7,7 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import frozen
-from proxnav.targets.material import Material
+from proxnav.targets.surface.material import Material
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 
 from proxnav.errors import InputError
-from proxnav.targets.material import Material, MaterialKind
+from proxnav.targets.surface.material import Material, MaterialKind
 from proxnav.targets.target import Target
 
 VERSION = 1

@@ -9,12 +9,12 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import R_eci_lvlh, sun_direction_eci, sun_visible_fraction
 from proxnav.geometry.pointing import continuous, q_a_cam_looking
 from proxnav.geometry.types import QuatWxyz, Vector3
+from proxnav.records import Trajectory
 
 Up = Literal["zenith", "forward", "cross_track"]
 

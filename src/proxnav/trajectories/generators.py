@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import Trajectory
-from proxnav.datasets.records.scene import Triple
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.relative_motion import eci_from_ric
 from proxnav.geometry.types import Vector3
+from proxnav.records import Trajectory
+from proxnav.records.scene import Triple
 from proxnav.trajectories.assemble import PointingConfig, assemble
 from proxnav.trajectories.orbit import OrbitConfig, fly_orbit
 

@@ -8,12 +8,12 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import EARTH_POLAR_RADIUS, R_eci_lvlh, R_eci_ric
 from proxnav.geometry.epochs import Instant
 from proxnav.geometry.relative_motion import eci_from_ric
+from proxnav.records import Trajectory
 from proxnav.trajectories.assemble import assemble
 from proxnav.trajectories.generators import time_grid
 from proxnav.trajectories.orbit import fly_orbit

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import Trajectory
 from proxnav.geometry.types import Vector3
+from proxnav.records import Trajectory
 from proxnav.trajectories.generators import FlightConfig, fly_relative, time_grid
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
+from proxnav.records import Trajectory
 
 _SERIES = (
     "t",

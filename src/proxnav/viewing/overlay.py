@@ -3,8 +3,8 @@
 import cv2
 import numpy as np
 
-from proxnav.datasets.records import Keypoints
 from proxnav.geometry import Camera, Pose
+from proxnav.records import Keypoints
 
 _TRUE, _FOUND, _AXES = (90, 220, 90), (255, 200, 40), ((235, 70, 70), (70, 210, 70), (80, 130, 255))
 _SUBPIXEL = 4  # bits of cv2's fixed-point coordinates

@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
-from proxnav.datasets.records import Trajectory
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.relative_motion import ric_from_eci
+from proxnav.records import Trajectory
 from proxnav.viewing.charts import running_median
 from proxnav.viewing.run_folder import HALF_TURN_RAD
 

@@ -16,7 +16,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from proxnav.datasets.dataset import read_image
+from proxnav.datasets.set.dataset import read_image
 from proxnav.viewing.numbers import number
 from proxnav.viewing.report_charts import calibration, phase_charts, range_charts
 from proxnav.viewing.report_filter import filter_section

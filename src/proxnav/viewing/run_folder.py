@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.files import read_json
-from proxnav.datasets.run_frames import FrameNote, read_run_frames
-from proxnav.datasets.speed import PoseRecord, read_poses
+from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses
 from proxnav.errors import InputError
+from proxnav.evaluation.run_frames import FrameNote, read_run_frames
 from proxnav.geometry import Pose, quaternion, so3
 from proxnav.geometry.mahalanobis import squared_mahalanobis
+from proxnav.storage.files import read_json
 from proxnav.viewing.flight_folder import SOLUTION, Flight, read_flight
 
 _OVERLAY = re.compile(r"(best|median|worst)-(\d{1,9})\.png")

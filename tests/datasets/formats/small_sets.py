@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from boxcraft import boxcraft
-from proxnav.datasets.labelling import label_frame
-from proxnav.datasets.records import SceneSpec, SunSpec
-from proxnav.datasets.writer import DatasetWriter
+from proxnav.datasets.set.labelling import label_frame
+from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.geometry import Camera, quaternion
+from proxnav.records import SceneSpec, SunSpec
 
 CAMERA = Camera(64, 48, 60.0, 61.0, 32.0, 24.0, (-0.1, 0.02, 0.0, 0.001, 0.0))
 

@@ -11,7 +11,7 @@ from boxcraft import CORNERS
 from proxnav.datasets.formats import Labels, ReadOptions, read_labels, write_labels
 from proxnav.errors import InputError
 from proxnav.geometry import Pose
-from proxnav.targets.points import load_points
+from proxnav.targets.keypoints.point_files import load_points
 
 
 def spoiled(labels: Labels, change) -> Labels:

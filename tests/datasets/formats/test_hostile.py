@@ -22,7 +22,7 @@ from proxnav.datasets.formats import (
     write_labels,
 )
 from proxnav.datasets.formats.names import checked_name
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from proxnav.datasets.dataset import Dataset
 from proxnav.datasets.formats import (
     READERS,
     WRITERS,
@@ -21,6 +20,7 @@ from proxnav.datasets.formats import (
     write_labels,
 )
 from proxnav.datasets.formats.bop_write import decode_depth, depth_scale_mm, encode_depth
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 

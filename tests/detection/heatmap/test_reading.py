@@ -8,7 +8,6 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from proxnav.datasets.crop import Crop, cut
 from proxnav.detection.heatmap.augment import AugmentConfig, augment
 from proxnav.detection.heatmap.decode import covariances, decode, sample_spread
 from proxnav.detection.heatmap.detector import HeatmapDetector
@@ -17,6 +16,7 @@ from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig, Maps
 from proxnav.detection.heatmap.patch import brightest_patches
 from proxnav.detection.heatmap.trunks import Trunk
 from proxnav.detection.samples import TrainingSample
+from proxnav.images.crop import Crop, cut
 
 inside = st.floats(5.0, 27.0)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from proxnav.datasets.records import SceneSpec, SunSpec
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.records import SceneSpec, SunSpec
 from proxnav.targets import Material, Target
 
 

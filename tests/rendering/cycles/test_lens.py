@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from proxnav.datasets.records import Window
 from proxnav.geometry import Camera, Pose
+from proxnav.records import Window
 from proxnav.rendering.cycles import lens
 
 BARREL = Camera(320, 256, 450.0, 430.0, 164.1, 121.4, (-0.22, 0.2, 1e-3, -5e-4, 0.0))

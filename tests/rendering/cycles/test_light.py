@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from proxnav.datasets.records import EarthSpec, SunSpec
 from proxnav.geometry import Camera, Pose
+from proxnav.records import EarthSpec, SunSpec
 from proxnav.rendering.cycles import CyclesConfig, materials, renderer
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.targets import Material
-from proxnav.targets.textures import PartTexture
+from proxnav.targets.surface.textures import PartTexture
 
 pytestmark = [pytest.mark.blender, pytest.mark.usefixtures("blender")]
 

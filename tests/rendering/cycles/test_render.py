@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from proxnav.datasets.records import SunSpec, Window
-from proxnav.datasets.records.scene import SUN_IRRADIANCE
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.records import SunSpec, Window
+from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.rendering.cycles import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.targets import Material

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from proxnav.datasets.records import EarthSpec, SceneSpec, SunSpec
 from proxnav.geometry import Camera
+from proxnav.records import EarthSpec, SceneSpec, SunSpec
 
 F2 = 6.69437999014e-3  # first eccentricity squared, WGS-84
 SUN_E = (163.45, 184.86, 181.72)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from proxnav.datasets.records import EarthSpec, SceneSpec, SunSpec
-from proxnav.datasets.records.frame import Window
 from proxnav.geometry import Camera
+from proxnav.records import EarthSpec, SceneSpec, SunSpec
+from proxnav.records.frame import Window
 from proxnav.rendering.earth import background_image, background_radiance, moon, stars, sun
 
 CAMERA = Camera(64, 64, 4000.0, 4000.0, 32.0, 32.0)

@@ -8,7 +8,7 @@ import pytest
 
 from proxnav.rendering.raycast import model
 from proxnav.targets import Target
-from proxnav.targets.textures import PartTexture
+from proxnav.targets.surface.textures import PartTexture
 
 sys.path.insert(0, str(Path(__file__).parent))
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import trimesh
 
-from proxnav.datasets.records import SceneSpec, SunSpec
 from proxnav.geometry import Camera, Pose
+from proxnav.records import SceneSpec, SunSpec
 from proxnav.targets import Material, Target
 
 MATT = Material(albedo=(0.2, 0.2, 0.2), ior=1.0, roughness=1.0)

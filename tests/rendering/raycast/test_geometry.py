@@ -5,8 +5,8 @@ import pytest
 import trimesh
 from raycast_shapes import MATT, plate, scene, target
 
-from proxnav.datasets.records import Window
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.records import Window
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.rendering.raycast.rays import camera_numbers, cast
 from proxnav.targets import Material

@@ -12,8 +12,8 @@ import pytest
 import trimesh
 from raycast_shapes import MATT, plate, scene, target
 
-from proxnav.datasets.records import SunSpec
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.records import SunSpec
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.targets import Material
 

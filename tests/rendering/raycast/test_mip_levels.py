@@ -5,7 +5,7 @@ import pytest
 
 from proxnav.rendering.raycast.texels import build_table
 from proxnav.targets.loading import load_target
-from proxnav.targets.textures import part_surfaces, part_textures
+from proxnav.targets.surface.textures import part_surfaces, part_textures
 
 
 @pytest.mark.parametrize(("strength", "finest_m"), [(0.0, 1e-4), (0.3, 0.01), (0.7, 0.02)])

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from proxnav.datasets.speed import read_poses
+from proxnav.datasets.formats.speed_poses import read_poses
 from proxnav.viewing.replay.mcap_export import save_mcap
 from proxnav.viewing.replay.of_run import read_replay
 

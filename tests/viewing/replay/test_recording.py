@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from proxnav.cli import main
+from proxnav.cli.main import main
 from proxnav.viewing.replay.of_run import read_replay
 from proxnav.viewing.replay.rerun_recording import save_rerun
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from proxnav.datasets.files import write_json
-from proxnav.datasets.run_frames import read_run_frames
-from proxnav.datasets.speed import read_poses
+from proxnav.datasets.formats.speed_poses import read_poses
 from proxnav.errors import InputError
+from proxnav.evaluation.run_frames import read_run_frames
 from proxnav.geometry import Pose, quaternion, so3
+from proxnav.storage.files import write_json
 from proxnav.viewing.replay.of_run import read_replay
 from proxnav.viewing.replay.replay import position_covariance
 

@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.datasets.formats.labels import LabelRecord, Labels
-from proxnav.datasets.records import NOT_IN_IMAGE
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.records import NOT_IN_IMAGE
 
 Order = Literal["wxyz", "xyzw"]
 

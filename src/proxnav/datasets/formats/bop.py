@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets.files import read_json
 from proxnav.datasets.formats.labels import LabelRecord, Labels
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions
 from proxnav.datasets.formats.places import existing
-from proxnav.datasets.numbers import finite_numbers
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
-from proxnav.targets.points import load_points
+from proxnav.storage.files import read_json
+from proxnav.storage.numbers import finite_numbers
+from proxnav.targets.keypoints.point_files import load_points
 
 MM = 1000.0
 _MAX_SCENES = 10_000
@@ -116,7 +116,7 @@ def _size(scene: Path, key: int) -> tuple[int, int]:
     image = _image(scene, key)
     if image is None:
         raise InputError(f"{scene}: neither a camera.json with width and height nor images; give --camera")
-    from proxnav.datasets.dataset import read_image
+    from proxnav.datasets.set.dataset import read_image
 
     height, width = read_image(image).shape[:2]
     return width, height

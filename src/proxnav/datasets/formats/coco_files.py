@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets import coco
-from proxnav.datasets.dataset import Dataset, read_image
-from proxnav.datasets.files import read_json, write_json
 from proxnav.datasets.formats.labels import LabelRecord, Labels, box_of, from_frame_label, need_camera, need_keypoints
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, flat_names, mask_beside, place, write_camera
-from proxnav.datasets.numbers import finite_numbers
-from proxnav.datasets.records import FrameLabel
+from proxnav.datasets.set import coco
+from proxnav.datasets.set.dataset import Dataset, read_image
 from proxnav.errors import InputError
 from proxnav.geometry import Pose
+from proxnav.records import FrameLabel
+from proxnav.storage.files import read_json, write_json
+from proxnav.storage.numbers import finite_numbers
 
 CORNER, CENTRE = "pixel corner", "pixel centre"
 

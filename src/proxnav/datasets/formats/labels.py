@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.datasets.records import NOT_IN_IMAGE, VISIBLE, FrameLabel
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.arrays import frozen
+from proxnav.records import NOT_IN_IMAGE, VISIBLE, FrameLabel
 
 
 @dataclass(frozen=True, slots=True, eq=False)

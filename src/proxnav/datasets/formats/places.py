@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 
-from proxnav.datasets.files import inside, read_json, write_json
 from proxnav.datasets.formats.labels import LabelRecord, Labels
 from proxnav.datasets.formats.options import WriteOptions
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.camera_files import speed_json
+from proxnav.storage.files import inside, read_json, write_json
 
 _TRAINING = ("train", "validation", "test")
 _SYNONYMS = {"val": "validation", "training": "train", "testing": "test"}

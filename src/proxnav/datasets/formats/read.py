@@ -10,7 +10,7 @@ from proxnav.datasets.formats.attitude import Order, check_order
 from proxnav.datasets.formats.labels import Labels
 from proxnav.datasets.formats.options import ReadOptions
 from proxnav.datasets.formats.recognise import recognise
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
 
 Reader = Callable[[Path, ReadOptions], Labels]

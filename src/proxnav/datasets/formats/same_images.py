@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from proxnav.datasets.formats.bop import image_number
-from proxnav.datasets.speed import PoseRecord
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
 
 

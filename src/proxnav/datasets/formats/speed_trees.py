@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets.files import read_json, write_json
 from proxnav.datasets.formats.labels import LabelRecord, Labels, need_camera, need_pose
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
@@ -25,10 +24,11 @@ from proxnav.datasets.formats.places import (
     training_splits,
     write_camera,
 )
-from proxnav.datasets.speed import POSITION_KEY, QUATERNION_KEYS, PoseRecord, read_poses, write_poses
+from proxnav.datasets.formats.speed_poses import POSITION_KEY, QUATERNION_KEYS, PoseRecord, read_poses, write_poses
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
-from proxnav.targets.points import load_points
+from proxnav.storage.files import read_json, write_json
+from proxnav.targets.keypoints.point_files import load_points
 
 SPEED_CAMERA = Camera(1920, 1200, 0.0176 / 5.86e-6, 0.0176 / 5.86e-6, 960.0, 600.0)
 """Of SPEED (2019), which ships no camera file."""

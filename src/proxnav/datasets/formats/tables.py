@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.files import write_atomic
-from proxnav.datasets.numbers import LARGEST
 from proxnav.errors import InputError
+from proxnav.storage.files import write_atomic
+from proxnav.storage.numbers import LARGEST
 
 MAX_BYTES = 512 * 2**20
 _LONGEST_CELL = 4096

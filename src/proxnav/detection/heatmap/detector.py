@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from proxnav.datasets.crop import Crop, cut
-from proxnav.datasets.records import Keypoints
 from proxnav.detection.heatmap.patch import brightest_patches
-from proxnav.detection.images import grey_8_bit, is_blank
 from proxnav.detection.sessions import Session
 from proxnav.geometry.types import Box
+from proxnav.images.crop import Crop, cut
+from proxnav.images.grey import grey_8_bit, is_blank
+from proxnav.records import Keypoints
 
 _CELL = 4
 """Input pixels per cell of the finder's map."""

@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
-from proxnav.datasets.crop import Crop, cut
-from proxnav.datasets.records import Keypoints
-from proxnav.detection.images import grey_8_bit
 from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps
 from proxnav.detection.keypoint_rcnn.masks import paste
 from proxnav.detection.keypoint_rcnn.views import whole
 from proxnav.errors import InputError
+from proxnav.images.crop import Crop, cut
+from proxnav.images.grey import grey_8_bit
+from proxnav.records import Keypoints
 
 ZOOM_MARGIN = 1.4
 """Side of the second look over the longer side of the box found by the first."""

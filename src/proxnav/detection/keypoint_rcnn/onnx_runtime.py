@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import onnxruntime
 
-from proxnav.datasets.records import Keypoints
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig, Detection, Found, RunNetwork, detect
 from proxnav.errors import InputError
+from proxnav.records import Keypoints
 
 
 @dataclass(frozen=True, slots=True)

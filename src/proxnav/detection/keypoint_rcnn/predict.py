@@ -3,9 +3,9 @@
 import numpy as np
 import torch
 
-from proxnav.datasets.records import Keypoints
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig, Detection, Found, RunNetwork, detect
 from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
+from proxnav.records import Keypoints
 
 
 def predict(network: KeypointRcnn, image: np.ndarray, config: DetectConfig | None = None) -> Keypoints:

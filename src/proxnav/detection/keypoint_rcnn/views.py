@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.crop import Crop, cut
-from proxnav.detection.images import grey_8_bit
 from proxnav.detection.samples import TrainingSample
+from proxnav.images.crop import Crop, cut
+from proxnav.images.grey import grey_8_bit
 
 
 def whole(image: np.ndarray) -> Crop:

@@ -5,7 +5,7 @@ import io
 from collections.abc import Mapping
 from pathlib import Path
 
-from proxnav.datasets.files import cannot_write, write_atomic
+from proxnav.storage.files import cannot_write, write_atomic
 
 
 def append_row(path: Path, row: Mapping[str, float | int | str]) -> None:

@@ -11,8 +11,8 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 from torch import nn
 
-from proxnav.datasets.files import cannot_write
 from proxnav.errors import InputError
+from proxnav.storage.files import cannot_write
 
 
 def write_atomically(path: Path, write: Callable[[Path], object]) -> None:

@@ -14,7 +14,6 @@ from lightning_fabric import Fabric
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
-from proxnav.datasets.lock import only_run_in
 from proxnav.detection.samples import SampleSource
 from proxnav.detection.training.average import averaged_copy, update_average
 from proxnav.detection.training.config import Learner, LoopConfig, TrainingResult, Validate
@@ -27,6 +26,7 @@ from proxnav.detection.training.random_state import random_state, restore_random
 from proxnav.detection.training.ranks import any_rank, is_first_rank, launched, mean_over_ranks, reseed
 from proxnav.detection.training.step import take_step
 from proxnav.errors import InputError
+from proxnav.storage.lock import only_run_in
 
 _log = logging.getLogger(__name__)
 

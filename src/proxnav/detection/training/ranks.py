@@ -26,7 +26,7 @@ def launched(config: LoopConfig) -> Fabric:
     if config.devices > 1 and "TORCHELASTIC_RUN_ID" not in os.environ:
         raise InputError(
             f"{config.devices} devices need one process each: torchrun --nproc-per-node {config.devices} "
-            "-m proxnav.cli train ..."
+            "-m proxnav.cli.main train ..."
         )
     nodes = max(1, ranks // config.devices)
     if ranks != nodes * config.devices:

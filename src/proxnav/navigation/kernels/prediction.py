@@ -6,7 +6,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from proxnav.navigation.kernels.rotations import conjugate, exp, multiply, skew, to_matrix
+from proxnav.geometry.compiled.rotations import conjugate, exp, multiply, skew, to_matrix
 
 # Places in the parameter vector that NavigationConfig.noise_vector() makes.
 (

@@ -5,8 +5,8 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from proxnav.geometry.compiled.rotations import exp, multiply, skew, to_matrix
 from proxnav.navigation.kernels.prediction import corrected
-from proxnav.navigation.kernels.rotations import exp, multiply, skew, to_matrix
 
 TOO_FEW, DISAGREES, ACCEPTED = 0, 1, 2
 """Outcomes of a frame of keypoints."""

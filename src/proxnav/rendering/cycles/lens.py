@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from jaxtyping import Float, Float32
 
-from proxnav.datasets.records import Window
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry import distortion as brown
+from proxnav.records import Window
 
 _PAD_PX = 3  # fine pixels around, for the interpolation
 _SMALLEST_PX = 4  # Blender renders no smaller picture

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets.records import TextureSpec
+from proxnav.records import TextureSpec
 from proxnav.targets import Target
-from proxnav.targets.textures import part_textures
+from proxnav.targets.surface.textures import part_textures
 
 
 def paint_arrays(target: Target, texture: TextureSpec) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

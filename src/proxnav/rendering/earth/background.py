@@ -6,8 +6,8 @@ from functools import cache, lru_cache
 import numpy as np
 from jaxtyping import Bool, Float
 
-from proxnav.datasets.records import SceneSpec, Window
 from proxnav.geometry import Camera, quaternion
+from proxnav.records import SceneSpec, Window
 from proxnav.rendering.earth import atmosphere, moon, sun
 from proxnav.rendering.earth.aerial import Aerial, empty
 from proxnav.rendering.earth.clouds import clouds

@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from proxnav.datasets.records import SceneSpec
 from proxnav.geometry import quaternion
+from proxnav.records import SceneSpec
 from proxnav.rendering.earth.kernel import kernel
 
 RADIUS_M = 1_737.4e3  # m

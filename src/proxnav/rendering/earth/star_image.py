@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from proxnav.datasets.records import SceneSpec, Window
 from proxnav.geometry import Camera
+from proxnav.records import SceneSpec, Window
 from proxnav.rendering.earth.ellipsoid import A_M
 from proxnav.rendering.earth.stars import stars
 

@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.records import SceneSpec
 from proxnav.geometry import quaternion
+from proxnav.records import SceneSpec
 
 # Name: right ascension [h], declination [deg] (J2000), visual magnitude, colour index B-V. Rounded from the Bright Star
 # Catalogue, 5th edition (D. Hoffleit, W. H. Warren, 1991), which is in the public domain.

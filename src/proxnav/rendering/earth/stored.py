@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.datasets.cache import cache_folder
+from proxnav.storage.cache import cache_folder
 
 
 def stored(name: str, make: Callable[[], np.ndarray]) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The reflectance of `proxnav.targets.material` as numba functions: Fresnel, GGX and the mix of the lobes.
+"""The reflectance of `proxnav.targets.surface.material` as numba functions: Fresnel, GGX and the mix of the lobes.
 
 B. Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007 (D and F);
 E. Heitz, "Understanding the masking-shadowing function", JCGT 3(2), 2014 (height-correlated Smith, eq. 99).

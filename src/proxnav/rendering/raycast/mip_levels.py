@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float32
 from numba import njit
 
-from proxnav.targets.patterns.pattern import Pattern
-from proxnav.targets.textures import BRIGHTEST, SMOOTHEST, PartTexture, PatternedTexture
+from proxnav.targets.surface.patterns.pattern import Pattern
+from proxnav.targets.surface.textures import BRIGHTEST, SMOOTHEST, PartTexture, PatternedTexture
 
 CHANNELS = 12
 """Colour of the matt share (3), metallic, colour of the metal share (3), alpha, slope along u, slope along v, half of

@@ -6,14 +6,14 @@ from threading import Lock
 
 import numpy as np
 
-from proxnav.datasets.records import TextureSpec
+from proxnav.records import TextureSpec
 from proxnav.rendering.raycast.config import RaycastConfig
 from proxnav.rendering.raycast.light_cache import LightCache, build_cache
 from proxnav.rendering.raycast.mesh import RenderMesh, build_mesh
 from proxnav.rendering.raycast.texels import TexelTable, build_table
 from proxnav.rendering.raycast.tracing import Tracer
 from proxnav.targets import Target
-from proxnav.targets.textures import part_surfaces
+from proxnav.targets.surface.textures import part_surfaces
 
 _KEPT_TEXTURES = 8
 

@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool
 
-from proxnav.datasets.records import Frame, SceneSpec, Window
-from proxnav.datasets.records.scene import SUN_HALF_ANGLE
 from proxnav.geometry import Camera
+from proxnav.records import Frame, SceneSpec, Window
+from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.rendering.earth import background_image
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast.config import RaycastConfig

@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
-from proxnav.datasets.records.scene import SUN_HALF_ANGLE
 from proxnav.geometry import Camera, Pose
+from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast import shading
 from proxnav.rendering.raycast.bsdf import lobe_albedo_table

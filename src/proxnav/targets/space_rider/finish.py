@@ -4,7 +4,7 @@ The tones follow the vehicle's function: black ceramics where re-entry heats, wh
 on the module. Reflectances are typical of the material class, not measured on the vehicle.
 """
 
-from proxnav.targets.material import Material
+from proxnav.targets.surface.material import Material
 
 FINISH: dict[str, Material] = {
     "nose_cap": Material("tile", (0.045, 0.045, 0.05), 0.0, 0.45, 1.6),

@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from proxnav.targets.assembly import assemble
+from proxnav.targets.keypoints.spread import farthest_points
 from proxnav.targets.space_rider.equipment import equipment
 from proxnav.targets.space_rider.finish import FINISH
 from proxnav.targets.space_rider.orbital_module import orbital_module
@@ -12,7 +13,6 @@ from proxnav.targets.space_rider.params import SpaceRiderParams
 from proxnav.targets.space_rider.reentry_module import reentry_module
 from proxnav.targets.space_rider.structure import structural_points
 from proxnav.targets.space_rider.wings import wings
-from proxnav.targets.spread import farthest_points
 from proxnav.targets.target import Target
 
 N_KEYPOINTS = 24

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
-from proxnav.datasets.records.scene import Quadruple, Triple
+from proxnav.records.scene import Quadruple, Triple
 from proxnav.trajectories.assemble import PointingConfig
 from proxnav.trajectories.generators import DEFAULT_EPOCH
 from proxnav.trajectories.orbit import OrbitConfig

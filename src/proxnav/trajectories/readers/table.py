@@ -5,8 +5,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from proxnav.datasets.files import refused_csv
 from proxnav.errors import InputError
+from proxnav.storage.files import refused_csv
 from proxnav.trajectories.readers.text import fail, read_lines
 
 _DASHES = re.compile(r"\s*-{3,}(\s+-{3,})*\s*")

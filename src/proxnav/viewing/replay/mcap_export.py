@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets.dataset import read_image
+from proxnav.datasets.set.dataset import read_image
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.epochs import parse_iso

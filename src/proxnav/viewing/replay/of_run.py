@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.datasets.files import inside, read_json
-from proxnav.datasets.run_frames import FrameNote, RunFrames, read_run_frames
-from proxnav.datasets.speed import PoseRecord, read_poses
+from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses
 from proxnav.errors import InputError
+from proxnav.evaluation.run_frames import FrameNote, RunFrames, read_run_frames
 from proxnav.geometry import Camera, Pose, quaternion, so3
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import R_eci_ric
+from proxnav.storage.files import inside, read_json
 from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 from proxnav.viewing.flight_folder import SOLUTION, Flight, Table, read_flight, read_table

@@ -13,7 +13,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from proxnav.datasets.dataset import read_image
+from proxnav.datasets.set.dataset import read_image
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
 from proxnav.viewing.overlay import as_rgb

@@ -7,10 +7,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from proxnav.datasets.dataset import read_image
-from proxnav.datasets.records import Keypoints
+from proxnav.datasets.set.dataset import read_image
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.records import Keypoints
 from proxnav.targets import Target
 from proxnav.viewing.overlay import caption, overlay
 from proxnav.viewing.replay.replay import Replay, Step

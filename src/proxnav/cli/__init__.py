@@ -1,0 +1,1 @@
+"""What the shell of every command shares: dispatch, help, progress."""

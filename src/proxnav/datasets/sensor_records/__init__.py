@@ -1,0 +1,1 @@
+"""Sensor records of a flight as csv, one file a sensor."""

@@ -1,0 +1,1 @@
+"""Our own data set on disk: images, masks, labels, camera and scenes."""

@@ -1,0 +1,77 @@
+"""A flight's truth, and what every sensor of the chaser says along it."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from proxnav.flight.sensors.camera import DetectorConfig, read_keypoints, read_poses
+from proxnav.flight.sensors.fixes import (
+    CARRIER_GNSS,
+    CODE_GNSS,
+    EphemerisConfig,
+    GnssConfig,
+    StarTrackerConfig,
+    read_ephemeris,
+    read_gnss,
+    read_star_tracker,
+)
+from proxnav.flight.sensors.inertial import AccelerometerConfig, GyroConfig, read_accelerometer, read_gyro
+from proxnav.flight.truth import Truth, TruthConfig, simulate_truth
+from proxnav.geometry import Camera
+from proxnav.records import SensorRecords, Trajectory
+from proxnav.targets.target import Target
+
+Grade = Literal["none", "code", "carrier"]
+
+_GRADES = {"code": CODE_GNSS, "carrier": CARRIER_GNSS}
+
+
+@dataclass(frozen=True)
+class SensingConfig:
+    """What the chaser carries."""
+
+    detector: DetectorConfig = field(default_factory=DetectorConfig)
+    gyro: GyroConfig | None = field(default_factory=GyroConfig)
+    accelerometer: AccelerometerConfig | None = field(default_factory=AccelerometerConfig)
+    star_tracker: StarTrackerConfig = field(default_factory=StarTrackerConfig)
+    gnss: Grade = "code"
+    """Relative GNSS by pseudoranges, by carrier phase, or none."""
+    gnss_model: GnssConfig | None = None
+    """Overrides the grade's numbers."""
+    ephemeris: EphemerisConfig = field(default_factory=EphemerisConfig)
+
+
+@dataclass(frozen=True)
+class SimulationConfig:
+    """Truth and sensors."""
+
+    truth: TruthConfig = field(default_factory=TruthConfig)
+    sensing: SensingConfig = field(default_factory=SensingConfig)
+
+
+def simulate(
+    reference: Trajectory, target: Target, camera: Camera, config: SimulationConfig, rng: np.random.Generator
+) -> tuple[Truth, SensorRecords]:
+    """Flies near the reference and records every sensor."""
+    truth = simulate_truth(reference, config.truth, rng)
+    return truth, sense(truth, target, camera, config.sensing, rng)
+
+
+def sense(
+    truth: Truth, target: Target, camera: Camera, config: SensingConfig, rng: np.random.Generator
+) -> SensorRecords:
+    """Readings of all sensors; each draws from a stream of its own, so that leaving one out changes no other."""
+    streams = rng.spawn(7)
+    keypoints = read_keypoints(truth, target, camera, config.detector, streams[0])
+    gnss = config.gnss_model or _GRADES.get(config.gnss)
+    return SensorRecords(
+        epoch_utc=truth.epoch_utc,
+        ephemeris=read_ephemeris(truth, config.ephemeris, streams[1]),
+        gyro=read_gyro(truth, config.gyro, streams[2]) if config.gyro else None,
+        accelerometer=read_accelerometer(truth, config.accelerometer, streams[3]) if config.accelerometer else None,
+        gnss=read_gnss(truth, gnss, streams[4]) if gnss else None,
+        star_tracker=read_star_tracker(truth, config.star_tracker, streams[5]),
+        keypoints=keypoints,
+        poses=read_poses(truth, keypoints, target, camera, config.detector, streams[6]),
+    )

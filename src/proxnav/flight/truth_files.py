@@ -1,0 +1,73 @@
+"""The true relative state as csv, beside the records, for whoever wants to know the filter's error."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from proxnav.datasets.sensor_records.files import read_columns, write_table
+from proxnav.errors import InputError
+from proxnav.flight.truth import Truth
+from proxnav.geometry import quaternion
+from proxnav.geometry.arrays import frozen
+
+COLUMNS = (
+    "t_s", "r_ric_x_m", "r_ric_y_m", "r_ric_z_m", "v_ric_x_mps", "v_ric_y_mps", "v_ric_z_mps", "q_cam_target_w",
+    "q_cam_target_x", "q_cam_target_y", "q_cam_target_z", "rate_target_x_rad_s", "rate_target_y_rad_s",
+    "rate_target_z_rad_s",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrueStates:
+    """What the filter estimates, as it is, at n increasing instants."""
+
+    t: np.ndarray
+    r_ric_m: np.ndarray
+    v_ric_mps: np.ndarray
+    q_cam_target: np.ndarray
+    rate_target: np.ndarray
+
+    def __post_init__(self) -> None:
+        n = len(self.t)
+        for f in fields(self):
+            shape = {"t": (n,), "q_cam_target": (n, 4)}.get(f.name, (n, 3))
+            object.__setattr__(self, f.name, frozen(getattr(self, f.name), shape, f.name))
+
+    def at(self, t: np.ndarray) -> "TrueStates":
+        """Interpolated at `t`: linear, and along the great arc for the attitude. InputError outside the span."""
+        t = np.asarray(t, dtype=np.float64)
+        if len(t) and (t.min() < self.t[0] - 1e-6 or t.max() > self.t[-1] + 1e-6):
+            raise InputError(
+                f"the truth covers t = {self.t[0]:g} to {self.t[-1]:g} s, the solution {t.min():g} to {t.max():g} s"
+            )
+        k = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
+        f = np.clip((t - self.t[k]) / (self.t[k + 1] - self.t[k]), 0.0, 1.0)
+        q = quaternion.slerp(self.q_cam_target[k], self.q_cam_target[k + 1], f)
+
+        def mixed(x: np.ndarray) -> np.ndarray:
+            return x[k] + f[:, None] * (x[k + 1] - x[k])
+
+        return TrueStates(t, mixed(self.r_ric_m), mixed(self.v_ric_mps), q, mixed(self.rate_target))
+
+
+def true_states(truth: Truth, every: int = 1) -> TrueStates:
+    """Of every so many-th sample."""
+    rho, rho_dot = truth.relative
+    k = slice(None, None, every)
+    return TrueStates(truth.t[k], rho[k], rho_dot[k], truth.q_cam_target[k], truth.rate_target[k])
+
+
+def write_truth(path: Path, states: TrueStates) -> None:
+    """As csv with `COLUMNS`."""
+    write_table(
+        path, COLUMNS, np.c_[states.t, states.r_ric_m, states.v_ric_mps, states.q_cam_target, states.rate_target]
+    )
+
+
+def read_truth(path: Path) -> TrueStates:
+    """Inverse of `write_truth`."""
+    rows = read_columns(path, COLUMNS)
+    if len(rows) < 2 or not np.isfinite(rows).all() or (np.diff(rows[:, 0]) <= 0).any():
+        raise InputError(f"{path}: the truth needs two rows or more of finite numbers at increasing times")
+    return TrueStates(rows[:, 0], rows[:, 1:4], rows[:, 4:7], rows[:, 7:11], rows[:, 11:14])

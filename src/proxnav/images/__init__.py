@@ -1,0 +1,1 @@
+"""Images as arrays: crops, sizes, codecs, tones."""

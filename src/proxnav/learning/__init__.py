@@ -1,0 +1,1 @@
+"""Where rendering and detection meet to train: samples drawn on line, validation, calibration."""

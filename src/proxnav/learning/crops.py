@@ -1,0 +1,206 @@
+"""Training crops drawn on line: each is a fresh scene, ray-cast only where the network looks, read by a sensor.
+
+A crop smaller than the network's input is drawn at the sensor's resolution; a larger one by a sensor whose pixels are
+binned, because the network sees the mean of them anyway.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain, count, islice
+
+import numpy as np
+
+from proxnav.cluster.local import in_order
+from proxnav.datasets.set.labelling import mask_box
+from proxnav.detection.samples import SampleSource, TrainingSample
+from proxnav.errors import InputError
+from proxnav.geometry import Camera
+from proxnav.images.crop import Crop, resample
+from proxnav.presets import NAVIGATION_CAMERA, OBSERVATION
+from proxnav.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
+from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
+from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
+from proxnav.sensor.expose import expose
+from proxnav.sensor.presets import draw_sensor
+from proxnav.targets import Target
+from proxnav.targets.keypoints.visibility import visible_keypoints
+from proxnav.targets.loading import load_target
+
+QUICK = RaycastConfig(
+    samples=4, sun_samples=4, bounces=0, ambient_rays=12, ambient_spacing_m=1.0, environment_rows=16, reflections=False
+)
+"""Ray casting at the quality that training needs."""
+
+
+@dataclass(frozen=True)
+class CropConfig:
+    """Which crops of which scenes."""
+
+    target: str = "space-rider"
+    side: int = 128
+    """Pixels of the network's input."""
+    camera: Camera = NAVIGATION_CAMERA
+    scenes: RandomSceneConfig = OBSERVATION
+    margin: tuple[float, float] = (1.05, 1.6)
+    """Side of the crop over the longer side of the box, uniform in between: the finder is not exact."""
+    shift: float = 0.12
+    """Most offset of the crop's centre over the longer side of the box."""
+    seed: int = 1
+    raycast: RaycastConfig = QUICK
+    alike: int = 12
+    """Neighbouring samples that share the target's textures: painting them costs more than drawing a crop."""
+
+
+@dataclass(frozen=True)
+class CropJob:
+    """Builds, once per process, the function from a sample's number to the sample. Can be pickled."""
+
+    config: CropConfig
+
+    def __call__(self) -> Callable[[int], TrainingSample]:
+        config, target = self.config, load_target(self.config.target)
+        renderer = RaycastRenderer(target, config.raycast)
+
+        def make(index: int) -> TrainingSample:
+            scene = _scene(index, config)
+            rng = np.random.default_rng([config.seed, index, 1])
+            return _draw(scene, _jittered(projected_box(target, scene), config, rng), config.side, target, renderer)
+
+        return make
+
+
+@dataclass(frozen=True)
+class WholeFrameJob:
+    """As `CropJob`, for the finder: whole frames at the finder's side, a share of them without a target."""
+
+    config: CropConfig
+    empty_share: float = 0.1
+
+    def __call__(self) -> Callable[[int], TrainingSample]:
+        config, target = self.config, load_target(self.config.target)
+        renderer = RaycastRenderer(target, config.raycast)
+
+        def make(index: int) -> TrainingSample:
+            scene = _scene(index, config)
+            if np.random.default_rng([config.seed, index, 2]).random() < self.empty_share:
+                scene = replace(scene, t_cam_target_m=BEHIND_M)
+            crop = Crop(0, 0, max(config.camera.width, config.camera.height))
+            return _draw(scene, crop, config.side, target, renderer)
+
+        return make
+
+
+@dataclass(frozen=True)
+class MixedJob:
+    """For a detector that sees whole frames but learns faster from close views: crops and whole frames in turn."""
+
+    crops: CropConfig
+    frame_side: int
+
+    def __call__(self) -> Callable[[int], TrainingSample]:
+        near, whole = CropJob(self.crops)(), WholeFrameJob(replace(self.crops, side=self.frame_side))()
+        return lambda index: near(index) if index % 2 else whole(index)
+
+
+BEHIND_M = (0.0, 0.0, -50.0)
+"""Position of a target behind the camera, which leaves the picture to the sky."""
+
+
+def sample_source(
+    job: Callable[[], Callable[[int], TrainingSample]], workers: int, repeats: int = 1, block: int = 512
+) -> SampleSource:
+    """The endless stream of a job's samples, drawn by `workers` processes ahead of the learner.
+
+    Drawing costs more than learning: each block of samples passes `repeats` times before the next one, and the
+    learner's augmentation makes each pass another view. Sample i is the same for every stride that divides `block`.
+    """
+
+    if workers < 1 or repeats < 1:
+        raise InputError(f"workers and repeats must be at least 1, found {workers} and {repeats}")
+
+    def stream(start: int, stride: int) -> Iterator[TrainingSample]:
+        own = lambda number: range(number * block + start % stride, (number + 1) * block, stride)  # noqa: E731
+        number, skip = start // (repeats * block), (start % (repeats * block)) // stride
+        drawn = in_order(job, chain.from_iterable(own(n) for n in count(number)), workers, ahead=block // stride)
+        while True:
+            kept = list(islice(drawn, block // stride))
+            order = np.random.default_rng([number, start % stride])
+            passes = [kept[i] for _ in range(repeats) for i in order.permutation(len(kept))]
+            yield from passes[skip:]
+            number += 1
+            skip = 0
+
+    return stream
+
+
+def _scene(index: int, config: CropConfig) -> SceneSpec:
+    """Scene `index`, read by a camera of its own, in the textures of its group."""
+    draw = partial(draw_sensor, base=config.scenes.sensor)
+    scene = random_scene(index, config.seed, config.scenes, config.target, config.camera, draw)
+    looks = np.random.default_rng([config.seed, index // config.alike, 3])
+    texture = TextureSpec(looks.uniform(*config.scenes.texture_strength), int(looks.integers(2**31)))
+    return replace(scene, texture=texture)
+
+
+def projected_box(target: Target, scene: SceneSpec) -> np.ndarray:
+    """(4,) box of the target's vertices in the image [px], cut at the image's edges."""
+    pixels = scene.camera.project(scene.T_cam_target @ target.vertices_m)
+    size = np.array([scene.camera.width, scene.camera.height])
+    low, high = np.nanmin(pixels, axis=0), np.nanmax(pixels, axis=0)
+    return np.concatenate([np.clip(low, 0, size), np.clip(high, 0, size)])
+
+
+def _jittered(box: np.ndarray, config: CropConfig, rng: np.random.Generator) -> Crop:
+    longer = max(box[2] - box[0], box[3] - box[1])
+    shift = config.shift * longer * rng.uniform(-1.0, 1.0, size=2)
+    return Crop.around(box + np.tile(shift, 2), margin=rng.uniform(*config.margin))
+
+
+def _draw(scene: SceneSpec, crop: Crop, side: int, target: Target, renderer: RaycastRenderer) -> TrainingSample:
+    binning = max(1, round(crop.size / side))
+    pixels = -(-crop.size // binning)
+    crop = Crop(crop.x, crop.y, pixels * binning)
+    camera = scene.camera.cropped(crop.x, crop.y, crop.size, crop.size).resized(pixels, pixels)
+    frame = renderer.render(scene, Window(0, 0, pixels, pixels), camera)
+    binned_scene = replace(scene, camera=camera, sensor=binned(scene.sensor, binning))
+    image = expose(frame, binned_scene).image
+    inside = _inside_image(crop, scene.camera, pixels)
+    mask = frame.mask & inside
+    keypoints = scene.camera.project(scene.T_cam_target @ target.keypoints_m)
+    seen = np.where(visible_keypoints(target, scene.T_cam_target), 2, 1)
+    return TrainingSample(
+        image=resample(np.where(inside, to_8_bit(image, scene.sensor.bits), np.uint8(0)), side),
+        keypoints_px=crop.to_network(keypoints, side),
+        visibility=np.where(scene.camera.contains(keypoints), seen, NOT_IN_IMAGE),
+        box_xyxy=mask_box(mask) * (side / pixels),
+        mask=resample(mask.astype(np.uint8) * 255, side) > 127,
+    )
+
+
+def binned(spec: SensorSpec, factor: int) -> SensorSpec:
+    """The sensor whose pixels are means of `factor` x `factor` pixels of `spec`."""
+    area = factor * factor
+    return replace(
+        spec,
+        pixel_pitch_m=spec.pixel_pitch_m * factor,
+        full_well_e=spec.full_well_e * area,
+        gain_e_per_dn=spec.gain_e_per_dn * area,
+        read_noise_e=spec.read_noise_e * factor,
+        dark_current_e_per_s=spec.dark_current_e_per_s * area,
+        dsnu_e=spec.dsnu_e * factor,
+        prnu=spec.prnu / factor,
+        psf_sigma_px=spec.psf_sigma_px / factor,
+    )
+
+
+def to_8_bit(image: np.ndarray, bits: int) -> np.ndarray:
+    """Counts of a converter of `bits` bits as uint8."""
+    return image if image.dtype == np.uint8 else (image >> max(0, bits - 8)).astype(np.uint8)
+
+
+def _inside_image(crop: Crop, camera: Camera, pixels: int) -> np.ndarray:
+    """(pixels, pixels) bool, where the crop lies in the image."""
+    centre = (np.arange(pixels) + 0.5) * (crop.size / pixels)
+    x, y = centre + crop.x, centre + crop.y
+    return ((y >= 0) & (y < camera.height))[:, None] & ((x >= 0) & (x < camera.width))[None, :]

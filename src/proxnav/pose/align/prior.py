@@ -1,0 +1,50 @@
+"""What the keypoints said before the image was looked at again: a pose with its covariance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.geometry import Pose
+from proxnav.geometry.perturbation import difference, moved
+from proxnav.pose.align.config import USUAL_DOUBT
+
+_LEVER_M = 6.0
+"""Weight of a radian against a metre across the line of sight when axes of a covariance are compared."""
+_ALONG = 0.15
+"""The same of a metre along the line of sight."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prior:
+    """N(T, covariance), errors (dt, dr) with t_true = t + dt, R_true = exp(dr) R."""
+
+    T_cam_target: Pose
+    covariance: np.ndarray
+    """(6, 6)."""
+    information: np.ndarray
+    """(6, 6), its inverse."""
+    doubt: float = USUAL_DOUBT
+    """1 - median score of the keypoints."""
+
+    @staticmethod
+    def of(T_cam_target: Pose, covariance: Float[np.ndarray, "6 6"], doubt: float = USUAL_DOUBT) -> "Prior":
+        """From a pose, its covariance and the keypoints' doubt."""
+        return Prior(T_cam_target, covariance, np.linalg.inv(covariance), doubt)
+
+    def offset(self, T_cam_target: Pose) -> Float[np.ndarray, "6"]:
+        """(dt, dr) from the prior's pose to another."""
+        return difference(self.T_cam_target, T_cam_target)
+
+    def distance2(self, T_cam_target: Pose) -> float:
+        """Squared Mahalanobis distance."""
+        d = self.offset(T_cam_target)
+        return float(d @ self.information @ d)
+
+    def others(self, axes: int, sigmas: tuple[float, ...]) -> list[Pose]:
+        """Poses that many standard deviations away along the longest axes of the covariance."""
+        scale = np.array([1.0, 1.0, _ALONG, _LEVER_M, _LEVER_M, _LEVER_M])
+        variances, directions = np.linalg.eigh(self.covariance * np.outer(scale, scale))
+        longest = range(5, 5 - axes, -1)
+        steps = [np.sqrt(max(variances[i], 0.0)) * directions[:, i] / scale for i in longest]
+        return [moved(self.T_cam_target, k * step) for step in steps for k in sigmas]

@@ -1,0 +1,54 @@
+"""The part of an image round the target, resampled, with its camera and its gradients."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from proxnav.geometry import Camera, Pose
+from proxnav.geometry.types import Box
+from proxnav.images.crop import Crop, box_in_image, cut
+from proxnav.pose.solve.intake import lens_numbers
+from proxnav.targets import Target
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """A square of the image."""
+
+    counts: np.ndarray
+    """(side, side) float32."""
+    camera: Camera
+    """Of the square."""
+    noise: float
+    """Standard deviation of neighbouring pixels [counts], from their median difference."""
+
+    @staticmethod
+    def around(grey: np.ndarray, box_xyxy: Box, camera: Camera, margin: float, most: int) -> "View":
+        """The square about a box [px] of a grey image, `most` px or, when it is smaller, its own size."""
+        crop = Crop.around(box_xyxy, margin)
+        side = min(most, crop.size)
+        counts = cut(grey, crop, side).astype(np.float32)
+        noise = float(np.median(np.abs(np.diff(counts, axis=1)))) / (0.6745 * np.sqrt(2.0)) + 0.05
+        return View(counts, camera.cropped(crop.x, crop.y, crop.size, crop.size).resized(side, side), noise)
+
+    @property
+    def lens(self) -> np.ndarray:
+        """The camera as the kernels take it."""
+        return lens_numbers(self.camera)
+
+    def gradients(self, blur_px: float) -> tuple[np.ndarray, np.ndarray]:
+        """(d/dx, d/dy) [counts/px], float32, of the counts blurred by a Gaussian; 0 blurs no further."""
+        smooth = cv2.GaussianBlur(self.counts, (0, 0), blur_px) if blur_px > 0.0 else self.counts
+        return tuple(cv2.Scharr(smooth, cv2.CV_32F, dx, 1 - dx, scale=1.0 / 32.0) for dx in (1, 0))  # pyright: ignore
+
+    def grid(self, side: int) -> tuple[np.ndarray, Camera]:
+        """The counts averaged to (side, side) at most, and the camera of that."""
+        side = min(side, len(self.counts))
+        small = cv2.resize(self.counts, (side, side), interpolation=cv2.INTER_AREA)
+        return small, self.camera.resized(side, side)
+
+
+def target_box(target: Target, T_cam_target: Pose, camera: Camera) -> Box | None:
+    """Box [px] of the target's vertices, cut at the image's edges; None when none of it is in the image."""
+    return box_in_image(camera.project(T_cam_target @ target.vertices_m), camera)

@@ -1,0 +1,1 @@
+"""Pose with covariance from keypoints."""

@@ -1,0 +1,52 @@
+"""The nouns that travel between the rooms; every stage takes and gives these and nothing else."""
+
+from proxnav.records.estimates import Keypoints, PoseResult
+from proxnav.records.frame import Frame, Window
+from proxnav.records.labels import HIDDEN, NOT_IN_IMAGE, VISIBLE, FrameLabel
+from proxnav.records.navigation import (
+    NAV_ERRORS,
+    NAV_STATUSES,
+    AccelerometerData,
+    EphemerisData,
+    GnssData,
+    GyroData,
+    KeypointData,
+    NavState,
+    NavStatus,
+    PoseData,
+    SensorRecords,
+    StarTrackerData,
+)
+from proxnav.records.scene import EarthSpec, SceneSpec, SunSpec, TextureSpec
+from proxnav.records.sensor import ExposureSpec, SensorSpec
+from proxnav.records.trajectory import Trajectory
+
+__all__ = [
+    "HIDDEN",
+    "NAV_ERRORS",
+    "NAV_STATUSES",
+    "NOT_IN_IMAGE",
+    "VISIBLE",
+    "AccelerometerData",
+    "EarthSpec",
+    "EphemerisData",
+    "ExposureSpec",
+    "Frame",
+    "FrameLabel",
+    "GnssData",
+    "GyroData",
+    "KeypointData",
+    "Keypoints",
+    "NavState",
+    "NavStatus",
+    "PoseData",
+    "PoseResult",
+    "SceneSpec",
+    "SensorRecords",
+    "SensorSpec",
+    "StarTrackerData",
+    "SunSpec",
+    "TextureSpec",
+    "Trajectory",
+    "Window",
+]

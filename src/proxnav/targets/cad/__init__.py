@@ -1,0 +1,1 @@
+"""Targets from CAD and graphics files."""

@@ -1,0 +1,105 @@
+"""Comfort in a shell: help on one screen, completion, no colour in a pipe, exit codes."""
+
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from proxnav.cli.commands import COMMANDS
+from proxnav.cli.help_pages import folded
+from proxnav.cli.main import main
+
+SCREEN = 50  # lines of a terminal of 100 columns at its usual height, full screen
+NESTED = (
+    "train heatmap", "train finder", "train export", "train keypoint-rcnn", "benchmark table1", "benchmark navigation",
+    "benchmark scale", "target new",
+)  # fmt: skip
+PLAIN = [name for name in COMMANDS if name not in ("train", "benchmark", "target")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", [*PLAIN, *NESTED])
+def test_help_fits_a_screen_and_shows_defaults(command: str, capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    assert main([*command.split(), "--help"]) == 0
+    text = capsys.readouterr().out
+    assert len(text.splitlines()) <= SCREEN
+    assert "(default: " in text or command in ("setup", "completion")
+
+
+def test_nested_groups_are_named_and_shown_on_request(capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    main(["render", "--help"])
+    short = capsys.readouterr().out
+    assert "--reader.* (17)" in short
+    assert "--reader.epoch-utc" not in short
+    main(["render", "--help-all"])
+    assert "--reader.epoch-utc" in capsys.readouterr().out
+
+
+def test_a_page_without_groups_is_left_alone() -> None:
+    page = "usage: x\n\n╭─ options ─╮\n│ --a INT   │\n╰───────────╯\n"
+    assert folded(page, "x") == page
+
+
+@pytest.mark.parametrize("variable", [None, "NO_COLOR"])
+def test_nothing_is_coloured_in_a_pipe(variable: str | None, monkeypatch) -> None:
+    if variable:
+        monkeypatch.setenv(variable, "1")
+    code = "from proxnav.cli.main import main; raise SystemExit(main({}))"
+    for words in (["--help"], ["report", "--help"], ["report", "--nonsense"], ["report", "/no/such/run"]):
+        done = subprocess.run([sys.executable, "-c", code.format(words)], capture_output=True, text=True, check=False)
+        assert "\x1b" not in done.stdout + done.stderr
+        expected = {"--help": 0, "--nonsense": 2, "/no/such/run": 1}[words[-1]]
+        assert done.returncode == expected
+
+
+@pytest.fixture(scope="module")
+def script(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """File with the completion for bash."""
+    path = tmp_path_factory.mktemp("completion") / "proxnav.bash"
+    done = subprocess.run(
+        [sys.executable, "-c", "from proxnav.cli.main import main; main(['completion', 'bash'])"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    path.write_text(done.stdout)
+    return str(path)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash on the PATH")
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("proxnav rend", {"render"}),
+        ("proxnav target ", {"show", "new"}),
+        ("proxnav render --renderer ", {"cycles", "raycast"}),
+        ("proxnav view --sa", {"--save"}),
+        ("proxnav benchmark table1 --see", {"--seed"}),
+    ],
+)
+def test_bash_completes(script: str, line: str, offered: set[str]) -> None:
+    words = line.split(" ")
+    quoted = " ".join(f"'{word}'" for word in words)
+    code = f"source {script}; COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}; _proxnav; echo ${{COMPREPLY[@]}}"
+    done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True)
+    assert set(done.stdout.split()) == offered
+
+
+@pytest.mark.slow
+def test_fish_lines_name_every_command_and_choice() -> None:
+    from proxnav.commands.completion import fish
+
+    words = {
+        "": ["view"],
+        "view": ["--save"],
+        "train": ["heatmap"],
+        "train heatmap": ["--p"],
+        "train heatmap --p": ["a"],
+    }
+    text = fish(words)
+    assert "-a 'view'" in text
+    assert "-l save" in text
+    assert re.search(r"from train && __fish_seen_subcommand_from heatmap' -l p -x -a 'a'", text)

@@ -1,0 +1,182 @@
+"""A pose laid onto an image: pictures of a box painted by OpenCV, side by side, at four times the resolution."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from boxcraft import QUADS, boxcraft
+from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.perturbation import difference, moved
+from proxnav.pose.align import AlignConfig, Prior, align
+from proxnav.pose.align.config import USUAL_DOUBT
+from proxnav.pose.align.evidence import edge_share, region_misfit
+from proxnav.pose.align.kernels.edges import edge_equations
+from proxnav.pose.align.kernels.steps import offset_from
+from proxnav.pose.align.outline import outline
+from proxnav.pose.align.view import View, target_box
+from proxnav.pose.align.wireframe import wireframe
+
+CAMERA = Camera(width=320, height=240, fx=420.0, fy=420.0, cx=163.0, cy=118.0)
+BENT = Camera(320, 240, 420.0, 420.0, 163.0, 118.0, distortion=(-0.2, 0.1, 0.001, -0.002, 0.0))
+POSE = Pose("cam", "target", quaternion.exp(np.array([0.5, -0.7, 0.3])), np.array([0.2, -0.1, 9.0]))
+TONES = (40, 90, 130, 170, 210, 240)
+FINER = 8
+LINE = 40
+
+
+def painted(T: Pose, camera: Camera = CAMERA, sky: int = 12, noise: float = 2.0) -> np.ndarray:
+    """The box, each side in its tone; lines are bent by the lens as the camera says."""
+    fine = camera.resized(camera.width * FINER, camera.height * FINER)
+    image = np.full((fine.height, fine.width), sky, np.uint8)
+    target = boxcraft()
+    eye = -T.R.T @ T.t_m
+    for quad, tone in zip(QUADS, TONES, strict=True):
+        corners = target.vertices_m[list(quad)]
+        n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        if n @ (eye - corners[0]) > 0:
+            share = np.linspace(0.0, 1.0, LINE, endpoint=False)[:, None]
+            rim = np.concatenate([a + share * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)])
+            cv2.fillPoly(image, [np.round(fine.project(T @ rim) - 0.5).astype(np.int32)], tone)
+    small = cv2.resize(image, (camera.width, camera.height), interpolation=cv2.INTER_AREA).astype(float)
+    return np.clip(small + np.random.default_rng(1).normal(0, noise, small.shape), 0, 255).astype(np.uint8)
+
+
+def prior_of(T: Pose, sigma_m: float = 0.1, sigma_rad: float = 0.05) -> Prior:
+    return Prior.of(T, np.diag([sigma_m, sigma_m, 5.0 * sigma_m, sigma_rad, sigma_rad, sigma_rad]) ** 2)
+
+
+def view_of(image: np.ndarray, T: Pose, camera: Camera = CAMERA, side: int = 400) -> View:
+    box = target_box(boxcraft(), T, camera)
+    assert box is not None
+    return View.around(image, box, camera, 1.15, side)
+
+
+@settings(deadline=None)
+@given(arrays(np.float64, 6, elements=st.floats(-1.5, 1.5)))
+def test_a_step_and_the_difference_are_inverse(step):
+    np.testing.assert_allclose(difference(POSE, moved(POSE, step)), step, atol=1e-9)
+
+
+def test_a_box_has_twelve_sharp_edges_and_six_flat_ones():
+    wire = wireframe(boxcraft())
+    lengths = np.linalg.norm(wire.b_m - wire.a_m, axis=1)
+    assert len(lengths) == 18
+    assert sorted(lengths[wire.sharp].round(9)) == [1.2] * 4 + [2.0] * 4 + [3.0] * 4
+
+
+@pytest.mark.parametrize("camera", [CAMERA, BENT])
+def test_points_of_the_outline_lie_on_edges_of_visible_sides(camera):
+    view = view_of(painted(POSE, camera), POSE, camera)
+    lines = outline(boxcraft(), POSE.R, POSE.t_m, view, spacing_px=2.0)
+    half = np.array([1.5, 1.0, 0.6])
+    on = np.isclose(np.abs(lines.points_m), half, atol=1e-9)
+    assert len(lines.points_m) > 100
+    assert (on.sum(axis=1) >= 2).all()
+    eye = -POSE.R.T @ POSE.t_m
+    seen = np.sign(eye) * lines.points_m >= half - 1e-9  # a side that looks at the eye has this sign
+    assert (seen & (np.abs(eye) > half)).any(axis=1).all()
+
+
+def test_the_hidden_corner_has_no_outline():
+    lines = outline(boxcraft(), POSE.R, POSE.t_m, view_of(painted(POSE), POSE), spacing_px=1.0)
+    eye = -POSE.R.T @ POSE.t_m
+    hidden = -np.sign(eye) * [1.5, 1.0, 0.6]
+    assert np.linalg.norm(lines.points_m - hidden, axis=1).min() > 0.5  # m
+
+
+@pytest.mark.parametrize("camera", [CAMERA, BENT])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_pose_that_is_off_is_laid_onto_the_image(camera, seed):
+    rng = np.random.default_rng(seed)
+    off = moved(POSE, np.concatenate([rng.normal(0, [0.06, 0.06, 0.3]), rng.normal(0, 0.03, 3)]))
+    found = align(painted(POSE, camera), camera, boxcraft(), prior_of(off))
+    assert found is not None
+    before, after = np.abs(difference(off, POSE)), np.abs(difference(found.T_cam_target, POSE))
+    assert after[:2].max() < 0.01  # m
+    assert after[2] < 0.05  # m
+    assert after[3:].max() < 0.008  # rad
+    assert np.linalg.norm(after) < 0.3 * np.linalg.norm(before)
+
+
+def test_the_covariance_is_symmetric_positive_and_covers_the_error():
+    off = moved(POSE, np.array([0.05, -0.04, 0.2, 0.02, -0.03, 0.02]))
+    found = align(painted(POSE), CAMERA, boxcraft(), prior_of(off))
+    assert found is not None
+    np.testing.assert_allclose(found.covariance, found.covariance.T, atol=1e-12)
+    assert np.linalg.eigvalsh(found.covariance).min() > 0
+    d = difference(found.T_cam_target, POSE)
+    assert d @ np.linalg.solve(found.covariance, d) < 22.5  # 0.1 % of chi-square with 6
+
+
+def test_doubtful_keypoints_widen_the_outlines_covariance_and_leave_the_pose():
+    image, config = painted(POSE), AlignConfig(doubt_power=2.0)
+    start = prior_of(POSE)
+    usual, doubtful = (
+        align(image, CAMERA, boxcraft(), replace(start, doubt=doubt), config) for doubt in (USUAL_DOUBT, 0.0215)
+    )
+    np.testing.assert_array_equal(doubtful.T_cam_target.t_m, usual.T_cam_target.t_m)
+    np.testing.assert_allclose(doubtful.outline_covariance, 16.0 * usual.outline_covariance)
+    assert 0.0 < config.widening(0.0) < config.widening(USUAL_DOUBT) == 1.0
+    claimed = config.covariance_scale * doubtful.outline_covariance
+    assert np.linalg.eigvalsh(doubtful.covariance - claimed).min() > -1e-12  # what rival poses add is left
+
+
+def test_a_right_pose_explains_the_image_better_than_wrong_ones():
+    image, box = painted(POSE), boxcraft()
+    view = view_of(image, POSE)
+    for axis in range(6):
+        step = np.zeros(6)
+        step[axis] = 0.5 if axis == 2 else 0.12
+        wrong = moved(POSE, step)
+        assert edge_share(box, POSE, view, 0.5, 2.0) > edge_share(box, wrong, view, 0.5, 2.0) + 0.1
+        assert region_misfit(box, POSE, view, 80) < region_misfit(box, wrong, view, 80) - 0.02
+
+
+def test_a_picture_painted_side_by_side_is_explained_by_its_sides():
+    exact = painted(POSE, noise=0.0)
+    assert region_misfit(boxcraft(), POSE, view_of(exact, POSE), 120) < 0.03  # what is left: pixels across a border
+
+
+def test_offsets_along_normals_are_those_of_a_step_edge():
+    """Image: dark left of x = 50.3 px, bright right of it; the outline runs down x = 49."""
+    image = np.full((100, 100), 10.0, np.float32)
+    image[:, 51:] = 200.0
+    image[:, 50] = 10.0 + 0.7 * 190.0
+    gx = cv2.Scharr(image, cv2.CV_32F, 1, 0, scale=1.0 / 32.0)
+    gy = cv2.Scharr(image, cv2.CV_32F, 0, 1, scale=1.0 / 32.0)
+    lens = np.array([100.0, 100.0, 50.0, 50.0, 0, 0, 0, 0, 0, np.inf])
+    y = np.linspace(-0.3, 0.3, 20)
+    X = np.stack([np.full(20, -0.01), y, np.zeros(20)], axis=1)
+    N, R, t = np.tile([1.0, 0.0], (20, 1)), np.eye(3), np.array([0.0, 0.0, 1.0])
+    H, g = np.empty((6, 6)), np.empty(6)
+    assert edge_equations(X, N, R, t, lens, gx, gy, 6.0, 2.0, 1.0, 1e-6, H, g) == pytest.approx(20, abs=0.01)
+    assert g[0] / H[0, 0] * 100.0 == pytest.approx(1.3, abs=0.1)  # px
+
+
+@settings(deadline=None)
+@given(arrays(np.float64, 6, elements=st.floats(-1.5, 1.5)))
+def test_the_kernel_measures_offsets_as_geometry_does(step):
+    there, d = moved(POSE, step), np.empty(6)
+    offset_from(POSE.R, POSE.t_m, there.R, there.t_m, d)
+    np.testing.assert_allclose(d, step, atol=1e-7)
+
+
+def test_no_edges_no_share_and_no_target_no_alignment():
+    dark = np.full((240, 320), 20, np.uint8)
+    assert edge_share(boxcraft(), POSE, view_of(dark, POSE), 0.5, 2.0) < 0.01
+    away = Pose("cam", "target", POSE.q_wxyz, np.array([80.0, 0.0, 9.0]))
+    assert align(dark, CAMERA, boxcraft(), prior_of(away)) is None
+    behind = Pose("cam", "target", POSE.q_wxyz, np.array([0.0, 0.0, -9.0]))
+    assert align(dark, CAMERA, boxcraft(), prior_of(behind)) is None
+
+
+def test_an_image_without_edges_leaves_the_pose_where_the_keypoints_put_it():
+    dark = np.full((240, 320), 20, np.uint8)
+    found = align(dark, CAMERA, boxcraft(), prior_of(POSE), AlignConfig(starts=0))
+    assert found is not None
+    np.testing.assert_allclose(difference(POSE, found.T_cam_target), np.zeros(6), atol=1e-6)
