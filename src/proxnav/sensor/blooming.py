@@ -1,10 +1,9 @@
 """Charge above full well: a share of it spills to the neighbours, the rest drains away."""
 
-from typing import no_type_check
-
 import numpy as np
 from jaxtyping import Float
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import kernel
 
 _MAX_PASSES = 64  # how far [px] charge can travel; a strongly lit pixel would otherwise flood the image
 
@@ -22,8 +21,7 @@ def spill(electrons: Float[np.ndarray, "height width"], full_well_e: float, shar
     np.minimum(electrons, np.float32(full_well_e), out=electrons)
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
+@kernel
 def _pass(electrons, excess, full_well, share):
     """One step of every pixel at once; returns the charge that moved."""
     height, width = electrons.shape

@@ -1,12 +1,11 @@
 """The detector of the EMVA 1288 linear model: from expected photo-electrons to digital numbers."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float, UInt8, UInt16
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.records import ExposureSpec, SensorSpec, Window
 from proxnav.sensor import noise
 from proxnav.sensor.blooming import spill
@@ -86,8 +85,7 @@ def digitise(
     return dn
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
+@kernel
 def _without_dead(signal, x0, y0, key, share):
     out = signal.copy()
     for i in range(out.shape[0]):
@@ -101,8 +99,7 @@ def _without_dead(signal, x0, y0, key, share):
 _HOT_LOG_LOW, _HOT_LOG_SPAN = math.log(1e2), math.log(1e5 / 1e2)
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
+@kernel
 def _collect(signal, electrons, x0, y0, prnu_key, hot_key, shot_key, prnu, dark, hot_share):
     height, width = signal.shape
     for i in range(height):
@@ -121,8 +118,7 @@ def _collect(signal, electrons, x0, y0, prnu_key, hot_key, shot_key, prnu, dark,
             electrons[i, j] = noise.poisson(mean + pixel_dark, noise.pixel_bits(shot_row, x0 + j))
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
+@kernel
 def _digitise(electrons, dn, x0, y0, read_key, dsnu_key, read_noise, dsnu, K, rows, columns, white):
     height, width = electrons.shape
     for i in range(height):
@@ -138,8 +134,7 @@ def _digitise(electrons, dn, x0, y0, read_key, dsnu_key, read_noise, dsnu, K, ro
             dn[i, j] = min(max(value, 0.0), white)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _line_offsets(key, first, count):
     offsets = np.empty(count)
     for i in range(count):

@@ -6,14 +6,13 @@ scene's. Sun outside the field counts until the hood hides it; Sun hidden by the
 
 import math
 from dataclasses import dataclass
-from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.records import Frame, SceneSpec, SensorSpec, Window
 from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.sensor import noise
@@ -148,8 +147,7 @@ def scatter(window: Window, camera: Camera, sun: SunInLens) -> Float[np.ndarray,
     return out
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
+@kernel
 def _scatter(out, x0, y0, fx, fy, cx, cy, sun, core2, peak):
     for i in range(out.shape[0]):
         y = (y0 + i + 0.5 - cy) / fy
@@ -183,8 +181,7 @@ def starburst(
     return out
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
+@kernel
 def _starburst(out, x, y, f, radius, c, s, fan, weights):
     height, width = out.shape
     farthest = (abs(x) + abs(y) + width + height) / f
@@ -267,8 +264,7 @@ def _box(window: Window, centre: np.ndarray, reach_px: float) -> tuple[slice, sl
     return slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
+@kernel
 def _ghost(out, x, y, radius, blades, turn, level, rim, cut_x, cut_y):
     """Fill the polygon (rounded, soft-edged) that the barrel's shifted circle leaves."""
     soft = max(0.06 * radius, 1.0)

@@ -4,10 +4,9 @@ Counter-based generation after J. K. Salmon et al., "Parallel random numbers: as
 finaliser of splitmix64 (G. L. Steele et al., "Fast splittable pseudorandom number generators", OOPSLA 2014).
 """
 
-from typing import no_type_check
-
 import numpy as np
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import kernel, pasted_kernel
 
 _MASK = (1 << 64) - 1
 _GOLDEN = 0x9E3779B97F4A7C15  # 2^64 / golden ratio, odd
@@ -34,8 +33,7 @@ def generator(seed: int, stream: str) -> np.random.Generator:
     return np.random.Generator(np.random.Philox(key=int(stream_key(seed, stream))))
 
 
-@njit(cache=True, inline="always")
-@no_type_check
+@pasted_kernel
 def mix(z):
     """The splitmix64 finaliser: a bijection of 64 bits in which each output bit depends on every input bit."""
     z = (z ^ (z >> _S30)) * _M1
@@ -43,22 +41,19 @@ def mix(z):
     return z ^ (z >> _S31)
 
 
-@njit(cache=True, inline="always")
-@no_type_check
+@pasted_kernel
 def line_key(key, line):
     """Key of one row (or column) of the sensor."""
     return mix(key + np.uint64(line) * GOLDEN)
 
 
-@njit(cache=True, inline="always")
-@no_type_check
+@pasted_kernel
 def pixel_bits(row_key, column):
     """64 random bits of one pixel."""
     return mix(row_key + np.uint64(column) * GOLDEN)
 
 
-@njit(cache=True, inline="always")
-@no_type_check
+@pasted_kernel
 def uniform(bits):
     """Uniform in [0, 1) from 64 random bits."""
     return np.float64(bits >> _S11) * _TO_UNIT
@@ -78,8 +73,7 @@ def _ziggurat() -> tuple[np.ndarray, np.ndarray]:
 _EDGES, _RATIOS = _ziggurat()
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _normal_rare(bits, u, layer):
     """The one case in a hundred where the ziggurat's first test fails: wedge or tail, hashing on for more numbers."""
     while True:
@@ -102,8 +96,7 @@ def _normal_rare(bits, u, layer):
             return u * _EDGES[layer]
 
 
-@njit(cache=True, inline="always")
-@no_type_check
+@pasted_kernel
 def normal(bits):
     """Standard normal from 64 random bits (J. A. Doornik, "An improved ziggurat method", 2005)."""
     layer = np.int64(bits & _LAYER)
@@ -117,8 +110,7 @@ _EXACT_BELOW = 25.0  # electrons; above, the Cornish-Fisher quantile is within 1
 _INVERSE = 1.0 / np.maximum(np.arange(128), 1)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def poisson(mean, bits):
     """Poisson number of the given mean: inversion when small, else the normal quantile corrected for skewness.
 

@@ -1,13 +1,11 @@
 """Projection with Brown-Conrady distortion, its inverse, and what a pixel covariance weighs."""
 
-from typing import no_type_check
-
 import numpy as np
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import kernel
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def distort(x, y, lens):
     """Ideal normalised (x, y) to pixels, with the 2x2 Jacobian: u, v, du/dx, du/dy, dv/dx, dv/dy."""
     k1, k2, p1, p2, k3 = lens[4], lens[5], lens[6], lens[7], lens[8]
@@ -23,8 +21,7 @@ def distort(x, y, lens):
     return fx * xd + lens[2], fy * yd + lens[3], fx * xx, fx * cross, fy * cross, fy * yy
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def undistort(pixels, lens, xy):
     """Pixels to ideal normalised coordinates by Newton steps; NaN where no ray leads there."""
     for i in range(len(pixels)):
@@ -41,8 +38,7 @@ def undistort(pixels, lens, xy):
         xy[i, 0], xy[i, 1] = (x, y) if valid else (np.nan, np.nan)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _information(a, b, c):
     """Inverse of [[a, b], [b, c]] as (a, b, c); zeros where it is not positive definite."""
     det = a * c - b * b
@@ -51,8 +47,7 @@ def _information(a, b, c):
     return c / det, -b / det, a / det
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def weigh(xy, covariances, floor2, gate_floor2, lens, info, gate_info, ray_info):
     """Information of each point in pixels, the same for the gate (larger floor), and that one on the plane z = 1."""
     for i in range(len(xy)):

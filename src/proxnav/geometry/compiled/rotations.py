@@ -1,14 +1,13 @@
 """Quaternions and cross-product matrices for compiled code; conventions as in proxnav.geometry.quaternion."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import kernel
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def to_matrix(q):
     """R(q), q wxyz and unit."""
     w, x, y, z = q[0], q[1], q[2], q[3]
@@ -19,8 +18,7 @@ def to_matrix(q):
     return R
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def exp(phi):
     """Quaternion of a rotation vector [rad]."""
     angle = math.sqrt(phi[0] ** 2 + phi[1] ** 2 + phi[2] ** 2)
@@ -31,8 +29,7 @@ def exp(phi):
     return q
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def log(q):
     """Rotation vector [rad] of length at most pi."""
     sign = -1.0 if q[0] < 0.0 else 1.0
@@ -41,8 +38,7 @@ def log(q):
     return sign * scale * q[1:]
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def multiply(p, q):
     """p (x) q, normalised."""
     out = np.empty(4)
@@ -53,8 +49,7 @@ def multiply(p, q):
     return out / math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def conjugate(q):
     """The inverse rotation."""
     out = -q
@@ -62,8 +57,7 @@ def conjugate(q):
     return out
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def skew(v):
     """[v]x."""
     K = np.zeros((3, 3))

@@ -1,14 +1,13 @@
 """The target's orbit between ephemeris rows: RIC axes and orbital rate at any instant."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import kernel
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def orbit_at(times, r, v, t):
     """(r, v, R_eci_ric, rate) by cubic Hermite interpolation; beyond the ends the last piece goes on."""
     k = min(max(np.searchsorted(times, t) - 1, 0), len(times) - 2)

@@ -1,11 +1,10 @@
 """One step of the filter's own dynamics. State layout: proxnav.navigation.layout."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.geometry.compiled.rotations import conjugate, exp, multiply, skew, to_matrix
 
 # Places in the parameter vector that NavigationConfig.noise_vector() makes.
@@ -15,8 +14,7 @@ from proxnav.geometry.compiled.rotations import conjugate, exp, multiply, skew, 
 ) = range(12)  # fmt: skip
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def advance(x, P, Phi, dt, rate_cam, inertia, held, pose_errors, noise):
     """(x, P, F, d) after dt seconds: F of the core errors, d the decay of the others.
 
@@ -36,8 +34,7 @@ def advance(x, P, Phi, dt, rate_cam, inertia, held, pose_errors, noise):
     return move(x, Phi, dt, w_c, w_t, inertia, held, noise), out, F, d
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def held_motion(x, held):
     """(error of a held target's attitude, wanted rate in target axes).
 
@@ -48,8 +45,7 @@ def held_motion(x, held):
     return _log_matrix(R), R.T @ np.ascontiguousarray(held[3])
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _log_matrix(R):
     """Rotation vector of a matrix, for turns below half a turn."""
     v = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
@@ -59,8 +55,7 @@ def _log_matrix(R):
     return v * (math.atan2(sine, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)) / sine)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def held_acceleration(x, held):
     """Angular acceleration of a held target: w0^2 and 2 zeta w0 pull attitude and rate back to what is wanted."""
     error, wanted = held_motion(x, held)
@@ -69,8 +64,7 @@ def held_acceleration(x, held):
     return -w0 * w0 * error - 2.0 * zeta * w0 * excess + np.cross(wanted, excess)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def transition(x, Phi, dt, E_c, E_t, M, w_t, inertia, held, noise):
     """d(core errors after)/d(core errors before)."""
     F = np.zeros((21, 21))
@@ -97,8 +91,7 @@ def transition(x, Phi, dt, E_c, E_t, M, w_t, inertia, held, noise):
     return F
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def decays(n, dt, noise):
     """Decay of the errors behind the core."""
     d = np.empty(n - 21)
@@ -107,8 +100,7 @@ def decays(n, dt, noise):
     return d
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def move(x, Phi, dt, w_c, w_t, inertia, held, noise):
     """The nominal state after dt.
 
@@ -132,8 +124,7 @@ def move(x, Phi, dt, w_c, w_t, inertia, held, noise):
     return y
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def process_noise(dt, M, noise):
     """Covariance that dt seconds add to the core errors (Q_d of a random walk seen by its integral)."""
     Q = np.zeros((21, 21))
@@ -156,8 +147,7 @@ def process_noise(dt, M, noise):
     return Q
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def spread(P, F, d, Q, noise):
     """F P F^T + Q, with F dense in the core and diagonal behind it."""
     n = len(P)
@@ -175,8 +165,7 @@ def spread(P, F, d, Q, noise):
     return out
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def relative_error(x, y):
     """The error vector that leads from state x to state y."""
     e = np.empty(len(x) - 2)
@@ -187,8 +176,7 @@ def relative_error(x, y):
     return e
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _half_log(p, q):
     step = multiply(conjugate(p), q)
     sign = -1.0 if step[0] < 0.0 else 1.0
@@ -197,8 +185,7 @@ def _half_log(p, q):
     return sign * scale * step[1:]
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def corrected(x, e):
     """State x moved by the error vector e."""
     y = np.empty(len(x))

@@ -1,17 +1,15 @@
 """Relative motion along any orbit under Earth's gravity with J2, to first order in the distance."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_J2, MU_EARTH
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.navigation.kernels.orbit import orbit_at
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def gravity_gradient(r):
     """d(acceleration)/d(position) in ECI [1/s^2], two-body and J2 (Montenbruck and Gill, eq. 3.32, differentiated)."""
     d2 = r @ r
@@ -27,8 +25,7 @@ def gravity_gradient(r):
     return G
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def gradient_transition(times, r, v, t, dt):
     """Phi of (rho, rho_dot) in RIC over dt, a few seconds at most: exact in the frame's turning, gradient at mid-step.
 
@@ -46,8 +43,7 @@ def gradient_transition(times, r, v, t, dt):
     return _from_inertial(R1, n1) @ E @ _to_inertial(R0, n0)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _to_inertial(R, n):
     W = np.zeros((3, 3))
     W[0, 1], W[1, 0] = -n, n
@@ -56,8 +52,7 @@ def _to_inertial(R, n):
     return T
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _from_inertial(R, n):
     W = np.zeros((3, 3))
     W[0, 1], W[1, 0] = -n, n

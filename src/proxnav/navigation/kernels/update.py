@@ -1,10 +1,8 @@
 """Measurement updates in Joseph form, and the keypoint measurement. State layout: proxnav.navigation.layout."""
 
-from typing import no_type_check
-
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.geometry.compiled.rotations import exp, multiply, skew, to_matrix
 from proxnav.navigation.kernels.prediction import corrected
 
@@ -12,8 +10,7 @@ TOO_FEW, DISAGREES, ACCEPTED = 0, 1, 2
 """Outcomes of a frame of keypoints."""
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def joseph(P, columns, H, R, y):
     """(error step, covariance, normalised innovation squared) of a measurement y = H e[columns] + noise.
 
@@ -28,8 +25,7 @@ def joseph(P, columns, H, R, y):
     return Kt.T @ y, _rounded(out, P), y @ np.ascontiguousarray(both[:, -1])
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _rounded(out, prior):
     """Symmetric, with the rounding errors of the update (some ulp of the prior) on the safe side of zero."""
     out = 0.5 * (out + out.T)
@@ -38,8 +34,7 @@ def _rounded(out, prior):
     return out
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def reset(P, e):
     """P about the corrected attitude: G P G^T with G = I - [e/2]x for both attitudes."""
     out = P.copy()
@@ -50,8 +45,7 @@ def reset(P, e):
     return 0.5 * (out + out.T)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def gnss_model(x, R, n, rate_cam, own, other):
     """(H on r, v, both attitudes, target rate, gyro bias, GNSS bias; prediction) of the baseline and its rate in ECI.
 
@@ -74,8 +68,7 @@ def gnss_model(x, R, n, rate_cam, own, other):
     return H, h
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def keypoint_model(x, points, index, R_eci_ric, lens):
     """(predicted pixels, H) of the points `index`; NaN behind the camera.
 
@@ -109,8 +102,7 @@ def keypoint_model(x, points, index, R_eci_ric, lens):
     return z, H
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def pose_covariance(H, cov, distance):
     """Of the least-squares pose from keypoints with these covariances: dt in camera, dr in target axes.
 
@@ -126,8 +118,7 @@ def pose_covariance(H, cov, distance):
     return 0.5 * (C + C.T)
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _roots(cov, share):
     """Lower root of that share of each covariance."""
     L = np.zeros((len(cov), 2, 2))
@@ -139,8 +130,7 @@ def _roots(cov, share):
     return L
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _times_P(H, L, index, P):
     """H P, with H on r, both attitudes, lasting pose errors and each keypoint's own lasting errors."""
     P15 = np.empty((15, len(P)))
@@ -155,8 +145,7 @@ def _times_P(H, L, index, P):
     return M
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _times_Ht(A, H, L, index):
     """A H^T."""
     A15 = np.empty((len(A), 15))
@@ -170,8 +159,7 @@ def _times_Ht(A, H, L, index):
     return out
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _add_noise(S, R):
     for k in range(len(R)):
         for a in range(2):
@@ -179,8 +167,7 @@ def _add_noise(S, R):
                 S[2 * k + a, 2 * k + b] += R[k, a, b]
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _own_errors(x, L, index):
     """Pixels that the points' own lasting errors add."""
     out = np.empty(2 * len(index))
@@ -191,8 +178,7 @@ def _own_errors(x, L, index):
     return out
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _gate(y, S, gate):
     """Which keypoints lie within their own 2x2 innovation covariance."""
     m = len(y) // 2
@@ -205,8 +191,7 @@ def _gate(y, S, gate):
     return keep
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def keypoint_update(x, P, pixels, cov, points, index, R_eci_ric, lens, shares, gate, frame_gates, least_share):
     """(x, P, outcome, accepted keypoints, normalised innovation squared, C) from the keypoints `index` of one frame.
 
@@ -254,8 +239,7 @@ def keypoint_update(x, P, pixels, cov, points, index, R_eci_ric, lens, shares, g
     return state, reset(_rounded(out, P), e), ACCEPTED, used, nis, C
 
 
-@njit(cache=True)
-@no_type_check
+@kernel
 def _applied(H, L, index, e):
     """H e."""
     e15 = np.empty(15)

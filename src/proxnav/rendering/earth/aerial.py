@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
 from proxnav.rendering.earth.atmosphere import R_TOP, march, mie_phase, rayleigh_phase
 from proxnav.rendering.earth.ellipsoid import A_M, near_hit
-from proxnav.rendering.earth.kernel import kernel
 
 N_NADIR, N_AZIMUTH = 72, 40
 STEPS = 32  # integrals converged to 1 %
@@ -46,7 +46,7 @@ def empty(radius: float, mu_sun: float) -> Aerial:
     return Aerial(nodes, np.zeros((3, N_NADIR, N_AZIMUTH), dtype=np.bool_), bounds, radius, mu_sun, np.empty(12))
 
 
-@kernel()
+@fast_kernel
 def _fill(aerial, transmittance, multiple, kind, i, j):
     edge, end = aerial.bounds[kind, 0], aerial.bounds[kind, 1]
     u = i / (N_NADIR - 1)
@@ -68,7 +68,7 @@ def _fill(aerial, transmittance, multiple, kind, i, j):
     aerial.done[kind, i, j] = True
 
 
-@kernel()
+@fast_kernel
 def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, out):
     """Scattered light per unit Sun irradiance [1/sr] into out[:3] and transmittance of the path into out[3:6]."""
     edge, end = aerial.bounds[kind, 0], aerial.bounds[kind, 1]
@@ -90,6 +90,6 @@ def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, out):
         out[3 + k] = _mix(n, kind, i, j, 9 + k, w00, w01, w10, w11)
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def _mix(n, a, i, j, k, w00, w01, w10, w11):
     return w00 * n[a, i, j, k] + w01 * n[a, i, j + 1, k] + w10 * n[a, i + 1, j, k] + w11 * n[a, i + 1, j + 1, k]

@@ -11,10 +11,9 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel, kernel
 from proxnav.rendering.earth.ellipsoid import A_M, near_hit
-from proxnav.rendering.earth.kernel import kernel
 
 TOP_M = 100e3  # m, no air above
 R_TOP = A_M + TOP_M
@@ -46,19 +45,19 @@ class Air(NamedTuple):
     """(SUN_NODES, 3) on level ground per unit Sun irradiance, against the cosine of the Sun's zenith angle."""
 
 
-@kernel()
+@fast_kernel
 def densities(h):
     """Relative density of air, aerosol and ozone at altitude h [m]."""
     ozone = max(0.0, 1.0 - abs(h - 25e3) / 15e3)
     return math.exp(-h / H_RAYLEIGH), math.exp(-h / H_MIE), ozone
 
 
-@kernel()
+@fast_kernel
 def _exit_distance(r, mu):
     return -r * mu + math.sqrt(max(0.0, r * r * (mu * mu - 1.0) + R_TOP * R_TOP))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _transmittance_table(n_r, n_mu, steps):
     table = np.empty((n_r, n_mu, 3), dtype=np.float32)
     span = math.sqrt(R_TOP * R_TOP - A_M * A_M)
@@ -82,12 +81,12 @@ def _transmittance_table(n_r, n_mu, steps):
     return table
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def _mix(table, i, j, k, w00, w01, w10, w11):
     return w00 * table[i, j, k] + w01 * table[i, j + 1, k] + w10 * table[i + 1, j, k] + w11 * table[i + 1, j + 1, k]
 
 
-@kernel()
+@fast_kernel
 def sun_transmittance(table, r, mu):
     """Share of the Sun's light (three bands) that reaches radius r [m] where its zenith angle has cosine mu.
 
@@ -123,7 +122,7 @@ def sun_transmittance(table, r, mu):
     )
 
 
-@kernel()
+@fast_kernel
 def _multiple_lookup(table, h, mu):
     x = min(1.0, max(0.0, (mu - SUN_MU_MIN) / (SUN_MU_MAX - SUN_MU_MIN))) * (_MS_MU - 1)
     y = math.sqrt(min(1.0, max(0.0, h / TOP_M))) * (_MS_H - 1)
@@ -137,7 +136,7 @@ def _multiple_lookup(table, h, mu):
     )
 
 
-@kernel()
+@fast_kernel
 def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
     """Light scattered towards the eye along a path through the air, per unit Sun irradiance.
 
@@ -177,7 +176,7 @@ def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
     out[9], out[10], out[11] = through0, through1, through2
 
 
-@kernel()
+@fast_kernel
 def _gather(out, k, before, dt, air, aerosol, ozone, sun, higher):
     """Adds the light of one step of a path in band k; returns the step's transmittance."""
     scatter_r, scatter_m = RAYLEIGH[k] * air, MIE_ALBEDO * MIE_EXTINCTION[k] * aerosol
@@ -190,13 +189,13 @@ def _gather(out, k, before, dt, air, aerosol, ozone, sun, higher):
     return step
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def rayleigh_phase(nu):
     """Phase function of air [1/sr] at scattering angle arccos(nu)."""
     return 3.0 / (16.0 * math.pi) * (1.0 + nu * nu)
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def mie_phase(nu):
     """Cornette-Shanks phase function of aerosol [1/sr]."""
     g2 = MIE_G * MIE_G
@@ -204,7 +203,7 @@ def mie_phase(nu):
     return 3.0 / (8.0 * math.pi) * (1.0 - g2) * (1.0 + nu * nu) / ((2.0 + g2) * base * math.sqrt(base))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _multiple_table(transmittance, n_h, n_mu, steps):
     """Hillaire's geometric series: second-order light, times 1 / (1 - share that is scattered again)."""
     dark = np.zeros((_MS_H, _MS_MU, 3), dtype=np.float32)
@@ -242,7 +241,7 @@ def _multiple_table(transmittance, n_h, n_mu, steps):
     return table
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sky_irradiance_table(transmittance, multiple, n, steps):
     table = np.empty((n, 3), dtype=np.float32)
     path = np.empty(12)

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from proxnav.geometry.compiled.kernel import fast_inlined_kernel, fast_kernel
 from proxnav.rendering.earth import noise
 from proxnav.rendering.earth.ellipsoid import A_M
 from proxnav.rendering.earth.imagery import read_equirectangular
-from proxnav.rendering.earth.kernel import inlined, kernel
 from proxnav.rendering.earth.weather import COLUMNS, ROWS, weather
 
 PERIODS_M = (1100e3, 140e3, 17e3)
@@ -41,7 +41,7 @@ class Clouds(NamedTuple):
     """Value of the high field at which thin cloud begins."""
 
 
-@inlined()
+@fast_inlined_kernel
 def _moisture(clouds, lon, lat, turn):
     column = (lon / (2.0 * math.pi) + 0.5 + turn) * COLUMNS - 0.5 + clouds.shift
     row = (0.5 - lat / math.pi) * ROWS - 0.5
@@ -57,13 +57,13 @@ def _moisture(clouds, lon, lat, turn):
     return (1.0 - fy) * top + fy * ((1.0 - fx) * image[i1, j0] + fx * image[i1, j1])
 
 
-@inlined()
+@fast_inlined_kernel
 def fade(footprint_m, period):
     """Weight of a layer of detail for rays as wide as `footprint_m`: what is finer than a ray must not alias."""
     return min(1.0, max(0.0, 1.0 - (footprint_m - 0.025 * period) / (0.10 * period)))
 
 
-@inlined()
+@fast_inlined_kernel
 def large(clouds, x, y, z, lon, lat, footprint_m):
     """(field, heap, warp): weather and the first layer of detail above a point of the unit sphere.
 
@@ -84,7 +84,7 @@ def large(clouds, x, y, z, lon, lat, footprint_m):
     return moisture + WEIGHTS[0] * weight * ((1.0 - 0.2 * heap) * a + 0.25 * heap * b), heap, a
 
 
-@inlined()
+@fast_inlined_kernel
 def fine(clouds, layer, x, y, z, heap, warp):
     """Detail of the second (1) or third (2) layer, of unit size."""
     s = A_M / PERIODS_M[layer]
@@ -96,7 +96,7 @@ def fine(clouds, layer, x, y, z, heap, warp):
     return (1.0 - heap) * a + heap * (0.4 * a + 0.8 * b)
 
 
-@inlined()
+@fast_inlined_kernel
 def field(clouds, x, y, z, lon, lat, footprint_m):
     """The whole field: cloud where it exceeds the threshold."""
     value, heap, warp = large(clouds, x, y, z, lon, lat, footprint_m)
@@ -107,14 +107,14 @@ def field(clouds, x, y, z, lon, lat, footprint_m):
     return value
 
 
-@inlined()
+@fast_inlined_kernel
 def opacity(clouds, value, slant):
     """Share of light that a cloud of this field value keeps from what lies below, seen at `slant` times its depth."""
     x = (value - clouds.threshold) / EDGE
     return 0.0 if x <= 0.0 else 1.0 - math.exp(-slant * x * (1.6 + 1.5 * x))
 
 
-@inlined()
+@fast_inlined_kernel
 def cirrus(clouds, x, y, z, lon, lat, footprint_m):
     """Opacity of thin high cloud, drawn out along its own weather."""
     value = _moisture(clouds, lon, lat, 0.37) - clouds.thin
@@ -128,7 +128,7 @@ def cirrus(clouds, x, y, z, lon, lat, footprint_m):
     return min(0.45, 0.9 * max(0.0, value))
 
 
-@kernel()
+@fast_kernel
 def _field_at(clouds, points, out):
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]

@@ -4,19 +4,19 @@ import math
 
 import numpy as np
 
+from proxnav.geometry.compiled.kernel import fast_inlined_kernel
 from proxnav.rendering.earth import clouds as cl
 from proxnav.rendering.earth import noise
 from proxnav.rendering.earth import state as s
 from proxnav.rendering.earth.ellipsoid import A_M
 from proxnav.rendering.earth.imagery import CITY, LEVELS, SLOPE_EAST, SLOPE_NORTH, WATER
-from proxnav.rendering.earth.kernel import inlined
 from proxnav.rendering.earth.surface import RELIEF, WATER_REFLECTANCE, read_ground
 
 CITY_RADIANCE = np.array([1.6e-3, 1.1e-3, 0.5e-3])  # W/(m^2 sr) of a bright city centre
 CLOUD_HEIGHT_M = 7e3  # m, height of a cloud's top per unit of field: what its shading sees
 
 
-@inlined()
+@fast_inlined_kernel
 def _level(footprint_m, texel_m):
     level = 0
     while level < LEVELS - 1 and footprint_m > 1.5 * texel_m:
@@ -25,7 +25,7 @@ def _level(footprint_m, texel_m):
     return level
 
 
-@inlined()
+@fast_inlined_kernel
 def _open_sea(level, lon, lat):
     """Whether there is nothing but water for tens of kilometres around."""
     rows, columns = level.shape[0], level.shape[1]
@@ -39,7 +39,7 @@ def _open_sea(level, lon, lat):
     )
 
 
-@inlined()
+@fast_inlined_kernel
 def _ground(eye, world, st, m, out):
     footprint = st[s.FOOTPRINT]
     texel = 2.0 * math.pi * A_M / world.ground[0].shape[1]
@@ -82,7 +82,7 @@ def _ground(eye, world, st, m, out):
         out[k] = albedo * (st[s.DIRECT + k] * lit + st[s.DIFFUSE + k]) + sea + lamps + st[s.AIR + k]
 
 
-@inlined()
+@fast_inlined_kernel
 def _cloud_field(world, st):
     """Value of the whole field and its slope towards the Sun [1/m]."""
     c = world.clouds
@@ -110,7 +110,7 @@ def _cloud_field(world, st):
     return value, slope
 
 
-@inlined()
+@fast_inlined_kernel
 def _rise(clouds, layer, here, x, y, z, st):
     """Slope towards the Sun [1/m] of a layer of detail whose value is `here`."""
     step = max(1.3 * st[s.FOOTPRINT], 0.012 * cl.PERIODS_M[layer])
@@ -119,14 +119,14 @@ def _rise(clouds, layer, here, x, y, z, st):
     return (there - here) / step
 
 
-@inlined()
+@fast_inlined_kernel
 def _over(st, share, albedo, lit, out):
     for k in range(3):
         white = albedo * (st[s.C_DIRECT + k] * st[s.C_MU] * lit + 0.6 * st[s.C_DIFFUSE + k]) + st[s.C_AIR + k]
         out[k] += share * (white - out[k])
 
 
-@inlined()
+@fast_inlined_kernel
 def radiance(eye, world, ends, st, m, out):
     """Radiance [W/(m^2 sr)] of a ray that ends on Earth, from its state; `m` (7) is room for a map reading."""
     value, slope, share = 0.0, 0.0, 0.0

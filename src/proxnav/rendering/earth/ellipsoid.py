@@ -8,20 +8,20 @@ import math
 
 import numpy as np
 
-from proxnav.rendering.earth.kernel import kernel
+from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
 
 A_M = 6_378_137.0  # m, WGS-84 equatorial radius
 B_M = 6_356_752.314245  # m, WGS-84 polar radius
 STRETCH = A_M / B_M
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def dot(ax, ay, az, bx, by, bz):
     """Scalar product."""
     return ax * bx + ay * by + az * bz
 
 
-@kernel()
+@fast_kernel
 def near_hit(rm, half_b, radius, r0):
     """Smallest positive ray parameter at which |o + t d| = radius, or -1; half_b = o.d, rm = d.d, r0 = |o|.
 

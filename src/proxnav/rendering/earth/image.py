@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from proxnav.geometry import Camera
+from proxnav.geometry.compiled.kernel import fast_kernel
 from proxnav.rendering.earth import moon, sun
 from proxnav.rendering.earth import state as s
 from proxnav.rendering.earth.detail import radiance
 from proxnav.rendering.earth.ellipsoid import A_M
-from proxnav.rendering.earth.kernel import kernel
 
 FINEST_BLOCK, WIDEST_BLOCK = 2, 8
 BLOCK_RAD = 5.7e-3
@@ -62,7 +62,7 @@ def lattice_rays(camera: Camera) -> np.ndarray:
     return rays
 
 
-@kernel()
+@fast_kernel
 def shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, out):
     """Radiance [W/(m^2 sr)] down one unit ray in Earth-fixed axes, Sun's disc included."""
     for k in range(3):
@@ -84,7 +84,7 @@ def shade_ray(eye, world, aerial, work, st, m, dx, dy, dz, pixel_rad, out):
         radiance(eye, world, ends, st, m, out)
 
 
-@kernel()
+@fast_kernel
 def shade_many(eye, world, aerial, room, directions, pixel_rad, out):
     """`shade_ray` for rays (n, 3); rays that are not numbers stay dark."""
     work, st, m, value = room.air, room.state, room.map, room.value
@@ -96,13 +96,13 @@ def shade_many(eye, world, aerial, room, directions, pixel_rad, out):
                 out[i, k] = value[k]
 
 
-@kernel()
+@fast_kernel
 def _unit(x, y, z):
     n = 1.0 / math.sqrt(x * x + y * y + z * z)
     return x * n, y * n, z * n
 
 
-@kernel()
+@fast_kernel
 def _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends):
     for i in range(states.shape[0]):
         for j in range(states.shape[1]):
@@ -116,7 +116,7 @@ def _corners(eye, world, aerial, work, rays, R, i0, j0, pixel_rad, states, ends)
                 ends[i, j] = s.ray_state(eye, world, aerial, work, x, y, z, pixel_rad, states[i, j])
 
 
-@kernel()
+@fast_kernel
 def _is_gentle(st, i, j):
     """Whether the four states around a block may be interpolated: landing points err by less than half a pixel."""
     lon_min, lon_max, cos_min = 9.0, -9.0, 1.0
@@ -134,7 +134,7 @@ def _is_gentle(st, i, j):
     return d2 / (8.0 * cos_min * cos_min) < 0.5 * st[i, j, s.FOOTPRINT] / A_M
 
 
-@kernel()
+@fast_kernel
 def draw(eye, world, aerial, room, states, ends, rays, R, block, x0, y0, pixel_rad, hidden, out):
     """Fills `out` (h, w, 3), the window whose first pixel is (x0, y0), but for pixels that are `hidden` (h, w).
 
@@ -184,7 +184,7 @@ def draw(eye, world, aerial, room, states, ends, rays, R, block, x0, y0, pixel_r
                         out[py - y0, px - x0, k] = value[k]
 
 
-@kernel()
+@fast_kernel
 def _ray(rays, i, j, fy, fx, R):
     """Unit ray in Earth-fixed axes inside a block; between corners the lens is straight to 0.01 px."""
     w00, w01, w10, w11 = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx, fy * (1.0 - fx), fy * fx
@@ -196,7 +196,7 @@ def _ray(rays, i, j, fy, fx, R):
     return _unit(x, y, z)
 
 
-@kernel()
+@fast_kernel
 def _holds_disc(eye, rays, i, j, R, block_rad):
     """Whether a block may hold part of the Sun or the Moon."""
     x, y, z = _ray(rays, i, j, 0.5, 0.5, R)

@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 import numpy as np
 
 from proxnav.geometry import quaternion
+from proxnav.geometry.compiled.kernel import fast_kernel
 from proxnav.records import SceneSpec
-from proxnav.rendering.earth.kernel import kernel
 
 RADIUS_M = 1_737.4e3  # m
 ALBEDO = np.array([0.140, 0.120, 0.100])  # geometric, in the three bands
@@ -48,7 +48,7 @@ def seen_from(scene: SceneSpec, r_earth_eye_target_m: np.ndarray) -> tuple[np.nd
     return r / distance, math.asin(RADIUS_M / distance)
 
 
-@kernel()
+@fast_kernel
 def disc(ray, to_moon, to_sun, half_angle, band):
     """Radiance per unit Sun irradiance [1/sr] of the Moon's face down a unit ray; 0 beside it.
 

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from scipy.spatial import KDTree
 
-from proxnav.rendering.earth.kernel import kernel
+from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
 from proxnav.rendering.earth.stored import stored
 
 SIZE = 128
@@ -81,7 +81,7 @@ def _cells(rng: np.random.Generator) -> np.ndarray:
 _LINE, _SIDE, _NODES = CHANNELS * _BRICK**3, CHANNELS * _BRICK**3 * _BRICKS, CHANNELS * _BRICK**3 * _BRICKS**2
 
 
-@kernel()
+@fast_kernel
 def sample(noise, x, y, z):
     """Both channels at a point of the unit period, trilinear."""
     x, y, z = x * SIZE, y * SIZE, z * SIZE
@@ -99,13 +99,13 @@ def sample(noise, x, y, z):
     return a, b
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def _place(i, brick, node):
     """Share of a node's index in the table that one of its coordinates has."""
     i = i & (SIZE - 1)
     return (i >> 2) * brick + (i & 3) * node
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def _four(n, rows, k, w):
     return w[0] * n[rows[0] + k] + w[1] * n[rows[1] + k] + w[2] * n[rows[2] + k] + w[3] * n[rows[3] + k]

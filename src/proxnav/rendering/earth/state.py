@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from proxnav.geometry.compiled.kernel import fast_inlined_kernel, fast_kernel
 from proxnav.rendering.earth import clouds as cl
 from proxnav.rendering.earth.aerial import CLOUD, CLOUD_TOP_M, GROUND, SKY, look
 from proxnav.rendering.earth.atmosphere import SUN_MU_MAX, SUN_MU_MIN, SUN_NODES, sun_transmittance
 from proxnav.rendering.earth.clouds import Clouds
 from proxnav.rendering.earth.ellipsoid import A_M, STRETCH, near_hit
-from proxnav.rendering.earth.kernel import inlined, kernel
 from proxnav.rendering.earth.surface import fresnel_water, glint, wind_mps
 
 # Columns of the row. Triples are red, green, blue and hold radiances [W/(m^2 sr)] at the eye, path losses included.
@@ -67,14 +67,14 @@ class World(NamedTuple):
     clouds: Clouds
 
 
-@kernel()
+@fast_kernel
 def _sky_light(table, mu, k):
     x = min(SUN_NODES - 1.001, max(0.0, (mu - SUN_MU_MIN) / (SUN_MU_MAX - SUN_MU_MIN) * (SUN_NODES - 1)))
     j = int(x)
     return (1.0 - (x - j)) * table[j, k] + (x - j) * table[j + 1, k]
 
 
-@kernel()
+@fast_kernel
 def _place(o, t, dx, dy, dz):
     """Unit normal where the stretched ray is after t."""
     x, y, z = o[0] + t * dx, o[1] + t * dy, (o[2] + t * dz) * STRETCH
@@ -82,7 +82,7 @@ def _place(o, t, dx, dy, dz):
     return x * s, y * s, z * s
 
 
-@inlined()
+@fast_inlined_kernel
 def _light(eye, world, height_m, mu_sun, st, direct, diffuse):
     """Sun and sky on a white surface at a height, times the path's transmittance, which st[direct:] holds on entry."""
     s = (1.0, 1.0, 1.0)
@@ -94,7 +94,7 @@ def _light(eye, world, height_m, mu_sun, st, direct, diffuse):
         st[diffuse + k] = scale * _sky_light(world.sky_irradiance, mu_sun, k) if eye.atmosphere else 0.0
 
 
-@kernel()
+@fast_kernel
 def _airglow_path(radius, down, passes):
     """Length [m] of a ray inside the glowing layer, 87 to 97 km high; `passes` is 1 if it ends on Earth, else 2."""
     if radius < A_M + 97e3 or down <= 0.0:
@@ -104,7 +104,7 @@ def _airglow_path(radius, down, passes):
     return passes * (math.sqrt(max(0.0, outer)) - math.sqrt(max(0.0, inner)))
 
 
-@inlined()
+@fast_inlined_kernel
 def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air):
     """Air in front into st[air:], transmittance of the path into st[direct:]."""
     if not eye.atmosphere:
@@ -119,7 +119,7 @@ def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air)
         st[air + k] += AIRGLOW[k] * glow
 
 
-@kernel()
+@fast_kernel
 def ray_state(eye, world, aerial, work, dx, dy, dz, pixel_rad, st):
     """Fills the row `st` for the true unit ray (dx, dy, dz) in Earth-fixed axes; returns where the ray ends."""
     s = 1.0 / math.sqrt(dx * dx + dy * dy + dz * dz * STRETCH * STRETCH)
@@ -148,7 +148,7 @@ def ray_state(eye, world, aerial, work, dx, dy, dz, pixel_rad, st):
     return ON_CLOUD if has_cloud else IN_AIR
 
 
-@inlined()
+@fast_inlined_kernel
 def _ground_state(eye, world, t, ux, uy, uz, dx, dy, dz, nu, pixel_rad, st):
     to = eye.sun
     x, y, z = _place(eye.origin, t, ux, uy, uz)
@@ -178,7 +178,7 @@ def _ground_state(eye, world, t, ux, uy, uz, dx, dy, dz, nu, pixel_rad, st):
         st[SHADOW] = cl.opacity(world.clouds, _field_sunward(world, x, y, z, lon, lat, away, wide, st), 1.0)
 
 
-@inlined()
+@fast_inlined_kernel
 def _sunward(eye, x, y, z, st):
     """Unit step along the ground towards the Sun into st[TOWARD:]."""
     to = eye.sun
@@ -188,7 +188,7 @@ def _sunward(eye, x, y, z, st):
     st[TOWARD], st[TOWARD + 1], st[TOWARD + 2] = tx / length, ty / length, tz / length
 
 
-@inlined()
+@fast_inlined_kernel
 def _field_sunward(world, x, y, z, lon, lat, distance_m, footprint_m, st):
     """Cloud field at a place moved along st[TOWARD:]."""
     tx, ty, tz = st[TOWARD], st[TOWARD + 1], st[TOWARD + 2]
@@ -198,7 +198,7 @@ def _field_sunward(world, x, y, z, lon, lat, distance_m, footprint_m, st):
     return cl.field(world.clouds, x + s * tx, y + s * ty, z + s * tz, lon + d_lon, lat + d_lat, footprint_m)
 
 
-@inlined()
+@fast_inlined_kernel
 def _cloud_state(eye, world, t, ux, uy, uz, dx, dy, dz, pixel_rad, st):
     to = eye.sun
     x, y, z = _place(eye.origin, t, ux, uy, uz)

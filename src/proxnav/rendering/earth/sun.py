@@ -2,7 +2,7 @@
 
 import math
 
-from proxnav.rendering.earth.kernel import kernel
+from proxnav.geometry.compiled.kernel import fast_kernel
 
 HALF_ANGLE = 4.65e-3  # rad, from 1 au
 
@@ -10,7 +10,7 @@ HALF_ANGLE = 4.65e-3  # rad, from 1 au
 _U = ((0.47, 0.20), (0.55, 0.23), (0.66, 0.20))
 
 
-@kernel()
+@fast_kernel
 def disc(nu, band):
     """Radiance per unit irradiance [1/sr] at angle arccos(nu) from the centre; integrates to one over the disc."""
     sin2 = math.sin(HALF_ANGLE) ** 2

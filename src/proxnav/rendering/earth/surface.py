@@ -4,16 +4,16 @@ import math
 
 import numpy as np
 
+from proxnav.geometry.compiled.kernel import fast_inlined_kernel, fast_kernel, fast_pasted_kernel
 from proxnav.rendering.earth import noise
 from proxnav.rendering.earth.imagery import BLUE, CITY, GREEN, RED, SLOPE_EAST, SLOPE_NORTH
-from proxnav.rendering.earth.kernel import inlined, kernel
 
 WIND_MPS = 5.0  # m/s at 12.5 m, mean over the sea
 WATER_REFLECTANCE = np.array([0.006, 0.016, 0.030])  # diffuse, from below the surface of clear ocean
 RELIEF = 0.35  # slope of the terrain at full scale of the relief map
 
 
-@kernel()
+@fast_kernel
 def fresnel_water(cos_i):
     """Unpolarised reflectance of still water (n = 1.34) at incidence angle arccos(cos_i)."""
     sin_t2 = (1.0 - cos_i * cos_i) / (1.34 * 1.34)
@@ -23,7 +23,7 @@ def fresnel_water(cos_i):
     return 0.5 * (s * s + p * p)
 
 
-@inlined()
+@fast_inlined_kernel
 def glint(cos_view, cos_sun, cos_between, wind):
     """Radiance of the Sun mirrored in waves per unit irradiance [1/sr].
 
@@ -42,7 +42,7 @@ def glint(cos_view, cos_sun, cos_between, wind):
     return fresnel_water(half) * slopes / (4.0 * grazing * cos2 * cos2)
 
 
-@inlined()
+@fast_inlined_kernel
 def wind_mps(table, x, y, z):
     """Wind over the sea at a point of the unit sphere: calm patches and fresh ones, 20 to 500 km wide."""
     gusts, _ = noise.sample(table, x * 3.1, y * 3.1, z * 3.1)
@@ -50,14 +50,14 @@ def wind_mps(table, x, y, z):
     return max(1.0, WIND_MPS * (1.0 + 0.35 * gusts + 0.15 * streaks))
 
 
-@kernel(inline="always")
+@fast_pasted_kernel
 def _crisp(f):
     """Interpolation weight that keeps a texel's colour longer: bent by noise, borders look drawn instead of blurred."""
     f = min(1.0, max(0.0, 1.2 * f - 0.1))
     return f * f * (3.0 - 2.0 * f)
 
 
-@inlined()
+@fast_inlined_kernel
 def read_ground(level, lon, lat, out):
     """Channels of a ground map, bilinear, decoded into `out` (7)."""
     rows, columns = level.shape[0], level.shape[1]

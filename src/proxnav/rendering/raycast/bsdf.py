@@ -8,14 +8,15 @@ from functools import cache
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import ray_kernel
 
 MIN_ALPHA = 1e-3
 """Below it a surface is a mirror to a light as wide as the Sun."""
 _ROWS, _COLUMNS = 32, 32  # of the albedo table: cosine, square root of alpha
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def fresnel(cosine, ior):
     """Unpolarised reflectance of a dielectric of index `ior` seen from outside (Walter et al., eq. 22)."""
     if ior == 1.0:
@@ -30,7 +31,7 @@ def fresnel(cosine, ior):
     return 0.5 * a * a * (1.0 + b * b)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def ggx(nl, nv, nh, alpha):
     """Value [1/sr] of the reflecting microfacet lobe: D G2 / (4 n.l n.v)."""
     a2 = alpha * alpha
@@ -40,7 +41,7 @@ def ggx(nl, nv, nh, alpha):
     return D * 0.5 / smith
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def reflectance(nl, nv, nh, matt, metal, metallic, alpha, F, out):
     """Fills `out` (3) with f(v, l) [1/sr]; `matt` is (1 - metallic) albedo, `metal` is metallic albedo."""
     lobe = ggx(nl, nv, nh, alpha)
@@ -48,7 +49,7 @@ def reflectance(nl, nv, nh, matt, metal, metallic, alpha, F, out):
         out[c] = (1.0 - F) * matt[c] / np.pi + ((1.0 - metallic) * F + metal[c]) * lobe
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _lobe_albedo(nv, alpha, steps):
     """Share of light from direction v that the lobe reflects, by sampling visible normals (Heitz, JCGT 7(4), 2018)."""
     vx = np.sqrt(1.0 - nv * nv)
@@ -87,7 +88,7 @@ def lobe_albedo_table() -> Float[np.ndarray, "rows columns"]:
     return table
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def table_albedo(table, nv, alpha):
     """Bilinear value of `lobe_albedo_table`."""
     y = min(max(nv, 0.0), 1.0) * (table.shape[0] - 1)

@@ -8,7 +8,8 @@ from functools import cache
 
 import numpy as np
 from jaxtyping import Float, Float32, Int32
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import ray_kernel
 
 LOBE_ALPHAS = (0.05, 0.15, 0.3, 0.6)
 """GGX widths of the levels; the first is the map itself."""
@@ -71,7 +72,7 @@ def _lobe_weights() -> np.ndarray:
     return np.array(levels, np.float32)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _average(weights, radiance, out):
     # a plain loop: a threaded matrix product would add in an order that depends on the machine
     for level in range(weights.shape[0]):
@@ -85,7 +86,7 @@ def _average(weights, radiance, out):
             out[level, i, 0], out[level, i, 1], out[level, i, 2] = r, g, b
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _lookup(radiance, x, y, z, weight, out):
     """Adds the bilinear value of the map in direction (x, y, z), times `weight`, to `out`."""
     rows, columns = radiance.shape[0], radiance.shape[1]
@@ -101,7 +102,7 @@ def _lookup(radiance, x, y, z, weight, out):
         out[c] += weight * (upper * (1.0 - fv) + lower * fv)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def lobe_radiance(radiance, lobes, x, y, z, alpha, out):
     """Fills `out` (3) with the radiance about the unit direction (x, y, z), averaged over a lobe of width `alpha`."""
     out[0] = out[1] = out[2] = 0.0

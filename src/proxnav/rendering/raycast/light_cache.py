@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Float32, Float64, Int32
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.rendering.raycast.environment import map_cell
 from proxnav.rendering.raycast.mesh import RenderMesh
 from proxnav.rendering.raycast.tracing import Tracer
@@ -93,7 +93,7 @@ def _starts(mask: np.ndarray) -> np.ndarray:
     return np.concatenate([[0], np.cumsum(mask.sum(axis=1))]).astype(np.int32)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def gather_sky(start, cell, rays, radiance, irradiance):
     """Adds the irradiance from the cells of the environment map (cells, 3) that each point sees."""
     scale = np.pi / rays
@@ -109,7 +109,7 @@ def gather_sky(start, cell, rays, radiance, irradiance):
         irradiance[i, 2] += scale * b
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def gather_surfaces(start, point, rays, exitance, irradiance):
     """Adds the irradiance from the points that each point sees, which send out `exitance` [W/m^2] evenly."""
     for i in range(irradiance.shape[0]):

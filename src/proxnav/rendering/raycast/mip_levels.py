@@ -9,8 +9,8 @@ from functools import lru_cache
 import cv2
 import numpy as np
 from jaxtyping import Float32
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.targets.surface.patterns.pattern import Pattern
 from proxnav.targets.surface.textures import BRIGHTEST, SMOOTHEST, PartTexture, PatternedTexture
 
@@ -64,7 +64,7 @@ def _slopes(normal: np.ndarray | None, shape: tuple[int, ...]) -> np.ndarray:
 _ONE, _HALF, _QUARTER, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.25), np.float32(0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _finish_row(slope, y, out):
     """Planes that follow from albedo 0-2, metallic 3 and roughness 7: colours by share of metal, alpha, slopes."""
     w = out.shape[1]
@@ -82,7 +82,7 @@ def _finish_row(slope, y, out):
         out[8, x], out[9, x], out[10, x] = u[x], v[x], _HALF * (u[x] * u[x] + v[x] * v[x])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _patterned_row(tone, accent, rough, slope, n, y, out):
     """Fills the planes (11, w) of one row of a patterned surface, in the arithmetic of `PatternedTexture.painted`."""
     t, a, q = tone[y], accent[y], rough[y]
@@ -97,7 +97,7 @@ def _patterned_row(tone, accent, rough, slope, n, y, out):
     _finish_row(slope, y, out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _painted_row(albedo, metallic, roughness, slope, y, out):
     """Fills the planes (11, w) of one row of a painted surface."""
     for x in range(out.shape[1]):
@@ -107,7 +107,7 @@ def _painted_row(albedo, metallic, roughness, slope, y, out):
     _finish_row(slope, y, out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _halve_rows(top, bottom, out):
     """Means of 2 x 2 texels of two rows of w, a power of two as our textures have; of 2 where they are one wide."""
     w = top.shape[1]
@@ -119,7 +119,7 @@ def _halve_rows(top, bottom, out):
             out[c, x] = _QUARTER * ((a[2 * x] + a[2 * x + 1]) + (b[2 * x] + b[2 * x + 1]))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _store(planes, texels):
     """Planes (11, n) into texels (n, 12)."""
     for i in range(planes.shape[1]):
@@ -128,7 +128,7 @@ def _store(planes, texels):
         texels[i, PLANES] = _ZERO
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _coarser(scratch, skip, h, w, sizes, texels):
     """The levels from the second on, which `scratch[0]` holds on entry; the first has `h` rows and `w` columns."""
     first = h * w if skip == 0 else 0
@@ -148,7 +148,7 @@ def _coarser(scratch, skip, h, w, sizes, texels):
         level, now, h, w = level + 1, 1 - now, h2, w2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _pair(rows, y, h, w, skip, scratch, texels):
     """Two finished rows into the first level, if it is kept, and their halving into the second."""
     if skip == 0:
@@ -159,7 +159,7 @@ def _pair(rows, y, h, w, skip, scratch, texels):
     _halve_rows(rows[0], rows[1], scratch[0][:, (y // 2) * half : (y // 2 + 1) * half])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _fill_patterned(tone, accent, rough, slope, numbers, skip, scratch, sizes, texels):
     h, w = tone.shape
     rows = np.empty((2, PLANES, w), np.float32)
@@ -170,7 +170,7 @@ def _fill_patterned(tone, accent, rough, slope, numbers, skip, scratch, sizes, t
     _coarser(scratch, skip, h, w, sizes, texels)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _fill_painted(albedo, metallic, roughness, slope, skip, scratch, sizes, texels):
     h, w = metallic.shape
     rows = np.empty((2, PLANES, w), np.float32)

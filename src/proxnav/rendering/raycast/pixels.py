@@ -5,7 +5,8 @@ Everything here depends on the pixel's place in the image alone, never on the wi
 
 import numpy as np
 from jaxtyping import Float, Int
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import ray_kernel
 
 _PLASTIC = np.array([0.7548776662466927, 0.5698402909980532])
 """M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018: the R2 sequence."""
@@ -23,7 +24,7 @@ def sample_places(pixels: Int[np.ndarray, "n 2"], count: int) -> Float[np.ndarra
     return (pixels[:, None, :] + pixel_pattern(count)).reshape(-1, 2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _mix(x, y):
     """Two numbers in [0, 1) that look random, from integer pixel coordinates (finaliser of MurmurHash3)."""
     h = np.uint64(x & 0xFFFFFFFF) * np.uint64(0x9E3779B97F4A7C15) ^ np.uint64(y & 0xFFFFFFFF) * np.uint64(
@@ -37,7 +38,7 @@ def _mix(x, y):
     ) / 16777216.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def sun_points(pixels, per_pixel, step, steps, centre, half_angle, out):
     """Fills a direction (n * per_pixel, 3) on the Sun's disc for every sample: the step-th of `steps` in each."""
     ax, ay, az = (1.0, 0.0, 0.0) if abs(centre[0]) < 0.6 else (0.0, 1.0, 0.0)
@@ -59,7 +60,7 @@ def sun_points(pixels, per_pixel, step, steps, centre, half_angle, out):
             out[j, 2] = centre[2] + p * uz + q * vz
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def mark_edges(hit, triangle, position, depth, normals, part, pixel_rad, marked):
     """Marks pixels of a grid (h, w) of hit indices, -1 for none, between which the surface ends, folds or jumps."""
     h, w = hit.shape
@@ -81,7 +82,7 @@ def mark_edges(hit, triangle, position, depth, normals, part, pixel_rad, marked)
                     marked[yy, xx] = True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _breaks(a, b, p, q, normals, part, pixel_m):
     """Whether two points on triangles a and b belong to different smooth surfaces."""
     if part[a] != part[b]:
@@ -94,7 +95,7 @@ def _breaks(a, b, p, q, normals, part, pixel_m):
     return cosine < _CREASE_COSINE or min(abs(above_p), abs(above_q)) > 0.5 * pixel_m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def mark_penumbra(hit, lit, blocker, depth, pixel_rad, half_angle, reach, marked):
     """Marks pixels of a grid (h, w) of hit indices that a shadow's edge may soften.
 

@@ -1,10 +1,10 @@
 """From pixels to rays and from points to the box that they cover, through the distorted camera."""
 
 import numpy as np
-from numba import njit
 
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry import distortion as lens
+from proxnav.geometry.compiled.kernel import ray_kernel
 
 _STEPS = 25
 
@@ -15,7 +15,7 @@ def camera_numbers(camera: Camera) -> np.ndarray:
     return np.array([camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion, fold])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _undistort(xd, yd, k):
     """Ideal coordinates of a distorted point by Newton steps; NaN where no ray leads there.
 
@@ -41,7 +41,7 @@ def _undistort(xd, yd, k):
     return (x, y) if valid else (np.nan, np.nan)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def cast(px, k, R_target_cam, eye, centre, radius, rays, origins, directions):
     """Fills rays (n, 3) whose z in the camera is 1, in target axes, and float32 copies that start near the target.
 
@@ -69,7 +69,7 @@ def cast(px, k, R_target_cam, eye, centre, radius, rays, origins, directions):
         origins[i, 0], origins[i, 1], origins[i, 2] = eye[0] + start * dx, eye[1] + start * dy, eye[2] + start * dz
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _box(vertices, R, t, k):
     """Bounds of the projected vertices; NaN in the first place when some vertex has no image."""
     lo_x, lo_y, hi_x, hi_y = np.inf, np.inf, -np.inf, -np.inf

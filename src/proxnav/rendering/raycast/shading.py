@@ -1,15 +1,15 @@
 """Radiance of a point towards the eye: the Sun through its shadow, the light cache, and what a mirror ray sees."""
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.rendering.raycast.bsdf import fresnel, ggx, reflectance, table_albedo
 from proxnav.rendering.raycast.environment import lobe_radiance
 from proxnav.rendering.raycast.light_cache import OFFSET_M
 from proxnav.rendering.raycast.surface import barycentric
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def sun_rays(triangle, position, eye, normals, sun, which, origins, directions):
     """Fills a ray towards each hit's point `sun` (n, 3) of the disc and the hit's index; returns their number.
 
@@ -30,7 +30,7 @@ def sun_rays(triangle, position, eye, normals, sun, which, origins, directions):
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def mirror_rays(position, surface, which, origins, directions):
     """Fills the reflected ray of each hit whose material asks for one, and the hit's index; returns their number."""
     count = 0
@@ -59,7 +59,7 @@ def mirror_rays(position, surface, which, origins, directions):
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _interpolate(index, weights, values, usable, out):
     """Fills `out` (3) with the light cache between three points; buried points do not count."""
     total = 0.0
@@ -74,7 +74,7 @@ def _interpolate(index, weights, values, usable, out):
         out[c] = out[c] / total if total > 1e-6 else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def shade_sun(surface, sun, lit, irradiance, alpha_sun2, radiance):
     """Adds the light of the Sun in direction `sun` (3) that each hit reflects; `lit` (n) is the unshadowed share."""
     f = np.empty(3)
@@ -95,7 +95,7 @@ def shade_sun(surface, sun, lit, irradiance, alpha_sun2, radiance):
             radiance[i, c] += lit[i] * nl * irradiance[c] * f[c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def shade_emission(triangle, part, parts, radiance):
     """Adds what the surfaces emit."""
     for i in range(triangle.shape[0]):
@@ -104,7 +104,7 @@ def shade_emission(triangle, part, parts, radiance):
             radiance[i, c] += p[5 + c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def shade_ambient(triangle, weights, surface, mesh_cache, usable, indirect, table, radiance):
     """Adds the diffuse reflection of the light cache, and the part of the gloss that needs no mirror ray."""
     E = np.empty(3)
@@ -119,7 +119,7 @@ def shade_ambient(triangle, weights, surface, mesh_cache, usable, indirect, tabl
             radiance[i, c] += (diffuse + mirror) * E[c] / np.pi
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def shade_mirror(
     which, directions, seen, origins, corners, mesh_cache, part, parts, means, usable, indirect, sun_seen, sun,
     irradiance, surface, sky, lobes, table, radiance,
@@ -148,7 +148,7 @@ def shade_mirror(
             radiance[i, c] += gloss * ((1.0 - s[12]) * s[14] + s[16 + c]) * L[c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _shade_reflected(corners, w, ray, part, mean, E, seen, sun, irradiance, sky, lobes, table, L):
     """Fills `L` (3) with the radiance against `ray` of a point seen in a mirror; its own gloss shows the open sky."""
     nx = w[0] * corners[0, 3] + w[1] * corners[1, 3] + w[2] * corners[2, 3]

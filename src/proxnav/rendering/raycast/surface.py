@@ -1,8 +1,8 @@
 """From a ray and the triangle that it met to everything that the shading needs about the point, in float64."""
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.rendering.raycast.bsdf import MIN_ALPHA, fresnel
 from proxnav.rendering.raycast.texels import sample
 
@@ -11,7 +11,7 @@ COLUMNS = 19
 metallic 12, alpha 13, Fresnel reflectance 14, weight of the mirror ray 15, metal colour 16-18."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def barycentric(corners, origin, ray, weights):
     """Fills the barycentric weights of the ray's point on the triangle (closest ones for a ray at its very edge)."""
     ax, ay, az = corners[0, 0], corners[0, 1], corners[0, 2]
@@ -32,7 +32,7 @@ def barycentric(corners, origin, ray, weights):
     weights[0] = 1.0 - weights[1] - weights[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def locate(triangle, rays, eye, camera_z, corners, position, depth, weights):
     """Fills position, depth along the camera's z axis (given in target axes) and barycentric weights of each hit."""
     for i in range(triangle.shape[0]):
@@ -45,7 +45,7 @@ def locate(triangle, rays, eye, camera_z, corners, position, depth, weights):
         depth[i] = z
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def describe(
     triangle, position, weights, eye, pixel_rad, corners, normals, tangents, part, texels, levels, parts, surface
 ):
@@ -95,6 +95,6 @@ def describe(
         s[15] = _ramp(strength, 0.05, 0.12) * (1.0 - _ramp(s[13], 0.12, 0.3))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _ramp(x, low, high):
     return min(max((x - low) / (high - low), 0.0), 1.0)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int32
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.rendering.raycast.mip_levels import CHANNELS, Surface, fill_levels, surface_size
 from proxnav.targets import Material
 
@@ -83,7 +83,7 @@ def _chain(surface: Surface, finest_m: float) -> _Chain:
     return _Chain(sizes[skip:], skip, surface.tile_m, texel)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def _bilinear(texels, first, h, w, u, v, weight, out):
     x, y = (u - np.floor(u)) * w - 0.5, (v - np.floor(v)) * h - 0.5
     x0, y0 = int(np.floor(x)), int(np.floor(y))
@@ -97,7 +97,7 @@ def _bilinear(texels, first, h, w, u, v, weight, out):
         out[c] += waa * texels[aa, c] + wab * texels[ab, c] + wba * texels[ba, c] + wbb * texels[bb, c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ray_kernel
 def sample(texels, levels, part, u_m, v_m, footprint_m, out):
     """Fills `out` (12) with the texture at (u, v) [m] averaged over `footprint_m`; 10 is the slopes' variance."""
     first, count, skip = int(part[0]), int(part[1]), int(part[8])

@@ -2,12 +2,11 @@
 
 import math
 
-from numba import njit
-
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.geometry.compiled.lens import distort
 
 
-@njit(cache=True)
+@kernel
 def _read(image, u, v):
     """Bilinear value at a corner-origin pixel position; 0 outside."""
     x, y = u - 0.5, v - 0.5
@@ -21,7 +20,7 @@ def _read(image, u, v):
     return upper * (1.0 - fy) + lower * fy
 
 
-@njit(cache=True)
+@kernel
 def _strength(gx, gy, u, v, nx, ny):
     """Gradient along the normal [counts/px], less where the gradient points elsewhere."""
     a, b = _read(gx, u, v), _read(gy, u, v)
@@ -29,7 +28,7 @@ def _strength(gx, gy, u, v, nx, ny):
     return along * along / (math.sqrt(a * a + b * b) + 1e-9)
 
 
-@njit(cache=True)
+@kernel
 def share_on_edges(X, N, R, t, lens, gx, gy, noise):
     """Mean over the outline of (g.n)^2 / (|g|^2 + noise^2), g the image gradient: 1 where every point lies on an edge.
 
@@ -50,7 +49,7 @@ def share_on_edges(X, N, R, t, lens, gx, gy, noise):
     return total / max(len(X), 1)
 
 
-@njit(cache=True)
+@kernel
 def _nearest_edges(gx, gy, u, v, nx, ny, reach, sigma, least, outlier):
     """(probability that an edge was found, its mean offset [px]) among the maxima of the gradient along a normal."""
     step = 1.0 if sigma > 2.0 else 0.5
@@ -71,7 +70,7 @@ def _nearest_edges(gx, gy, u, v, nx, ny, reach, sigma, least, outlier):
     return weight / (weight + outlier), sum_ / weight
 
 
-@njit(cache=True)
+@kernel
 def edge_equations(X, N, R, t, lens, gx, gy, reach, sigma, least, outlier, H, g):
     """H = sum p J^T J and g = sum p J^T e over the outline, e the offset [px] of the edge along the normal.
 

@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.geometry.compiled.lens import distort
 
 
-@njit(cache=True)
+@kernel
 def image_of(R, t, X, lens):
     """Pixel (u, v) of a target point; NaN behind the camera or beyond the lens."""
     z = R[2, 0] * X[0] + R[2, 1] * X[1] + R[2, 2] * X[2] + t[2]
@@ -22,12 +22,12 @@ def image_of(R, t, X, lens):
     return u, v
 
 
-@njit(cache=True)
+@kernel
 def _faces_eye(n, a, eye):
     return n[0] * (eye[0] - a[0]) + n[1] * (eye[1] - a[1]) + n[2] * (eye[2] - a[2]) > 0.0
 
 
-@njit(cache=True)
+@kernel
 def sample_edges(a, b, n1, n2, sharp, R, t, eye, lens, width, height, spacing, X, N):
     """Fills X (points, target frame) and N (unit normals of the edge in the image); returns how many.
 

@@ -1,12 +1,13 @@
 """How well the parts of the target, each shaded smoothly by its normals, explain the image."""
 
 import numpy as np
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import kernel
 
 TERMS = 4
 
 
-@njit(cache=True)
+@kernel
 def unexplained_share(image, part, normal, n_parts, most):
     """Share of the image's scatter that is left when each part is fitted by c0 + c . n, and the rest by a plane.
 
@@ -44,7 +45,7 @@ def unexplained_share(image, part, normal, n_parts, most):
     return left / max(all_, 1e-12)
 
 
-@njit(cache=True)
+@kernel
 def _basis(i, j, rows, columns, part, normal, n_parts, basis):
     """Index of what pixel (i, j) belongs to; fills the terms that shade it."""
     p = part[i, j]

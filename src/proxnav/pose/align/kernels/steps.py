@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.pose.solve.kernels.refinement import perturb
 
 
-@njit(cache=True)
+@kernel
 def offset_from(R0, t0, R, t, d):
     """d = (dt, dr) from (R0, t0) to (R, t): t - t0 and the rotation vector of R R0^T, which is below half a turn."""
     D = R @ R0.T
@@ -20,7 +20,7 @@ def offset_from(R0, t0, R, t, d):
     d[3], d[4], d[5] = scale * s0, scale * s1, scale * s2
 
 
-@njit(cache=True)
+@kernel
 def take_step(R, t, H, g, weight, P0, R0, t0, prior_weight, information, R_out, t_out):
     """(weight H + prior_weight P0) step = weight g - prior_weight P0 d, d from the prior; fills the information too."""
     d = np.empty(6)

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.pose.solve.kernels.p3p import p3p
 from proxnav.pose.solve.kernels.refinement import distances, refine
 
@@ -13,7 +13,7 @@ MODE_TRACE = 1.0 + 2.0 * math.cos(math.radians(15.0))  # candidates nearer than 
 SAME_TRACE = 1.0 + 2.0 * math.cos(math.radians(5.0))  # refined poses nearer than this are one optimum
 
 
-@njit(cache=True)
+@kernel
 def _cost(R, t, X, xy, ray_info, side, gate2, best):
     """Truncated squared error (MSAC) on the plane z = 1; infinite when a point is on the wrong side or above best."""
     total = 0.0
@@ -30,13 +30,13 @@ def _cost(R, t, X, xy, ray_info, side, gate2, best):
     return total
 
 
-@njit(cache=True)
+@kernel
 def _trace(A, B):
     """Trace of A^T B: 1 + 2 cos of the angle between two rotations."""
     return np.sum(A * B)
 
 
-@njit(cache=True)
+@kernel
 def _keep(R, t, cost, modes_R, modes_t, costs):
     """Enters a candidate: it replaces the mode it resembles if it is better, else the worst mode."""
     slot, free = -1, 0
@@ -50,7 +50,7 @@ def _keep(R, t, cost, modes_R, modes_t, costs):
         modes_R[slot], modes_t[slot], costs[slot] = R, t, cost
 
 
-@njit(cache=True)
+@kernel
 def search(X, xy, ray_info, side, gate2, every, max_samples, confidence, seed, modes_R, modes_t, costs):
     """Poses of three-point subsets, all of them (`every`) or drawn until enough, sorted into distinct modes."""
     n = len(X)
@@ -94,7 +94,7 @@ def search(X, xy, ray_info, side, gate2, every, max_samples, confidence, seed, m
     return drawn
 
 
-@njit(cache=True)
+@kernel
 def polish(R, t, X, pixels, info, gate_info, lens, side, gate2, loss, k2, widen, d2, use):
     """Alternates gate and refinement, from a wide gate to the final one; returns the truncated cost over all points."""
     n = len(X)
@@ -121,7 +121,7 @@ def polish(R, t, X, pixels, info, gate_info, lens, side, gate2, loss, k2, widen,
     return total
 
 
-@njit(cache=True)
+@kernel
 def compete(modes_R, modes_t, costs, X, pixels, info, gate_info, lens, gate2, loss, k2, widen, use):
     """Polishes every mode; returns (best, its cost, the best that is another optimum or -1, its cost)."""
     n = len(X)

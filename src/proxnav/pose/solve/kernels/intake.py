@@ -2,10 +2,10 @@
 
 import math
 
-from numba import njit
+from proxnav.geometry.compiled.kernel import kernel
 
 
-@njit(cache=True)
+@kernel
 def admit(points, pixels, covariances, scores, min_score, width, height, margin, keep, label):
     """Flags usable points; `label` is the index of the first point at the same place. Returns (kept, places).
 

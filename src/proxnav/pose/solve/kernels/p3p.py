@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from proxnav.geometry.compiled.kernel import kernel
 
 
-@njit(cache=True)
+@kernel
 def _cubic_roots(c3, c2, c1, c0, roots):
     """Real roots of a cubic with c3 != 0, polished by Newton; returns how many."""
     a, b, c = c2 / c3, c1 / c3, c0 / c3
@@ -29,7 +30,7 @@ def _cubic_roots(c3, c2, c1, c0, roots):
     return count
 
 
-@njit(cache=True)
+@kernel
 def _adjugate(C):
     """Adjugate of a symmetric 3x3 matrix."""
     B = np.empty((3, 3))
@@ -40,7 +41,7 @@ def _adjugate(C):
     return B
 
 
-@njit(cache=True)
+@kernel
 def _split_conic(C, lines):
     """The two lines of a degenerate conic (J. Richter-Gebert, Perspectives on Projective Geometry, section 11.1)."""
     B = _adjugate(C)
@@ -67,7 +68,7 @@ def _split_conic(C, lines):
     return True
 
 
-@njit(cache=True)
+@kernel
 def _polish_depths(d, cosines, squares):
     """Gauss-Newton on the law of cosines for pairs (0,1), (0,2), (1,2); True when it holds to 1e-8."""
     for _ in range(3):
@@ -87,7 +88,7 @@ def _polish_depths(d, cosines, squares):
     return abs(r0) + abs(r1) + abs(r2) < 1e-8 * size and d[0] > 0.0 and d[1] > 0.0 and d[2] > 0.0
 
 
-@njit(cache=True)
+@kernel
 def _triad(p, E):
     """Orthonormal axes of a triangle (rows of p) as columns of E; False when it is a line."""
     a0, a1, a2 = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
@@ -104,7 +105,7 @@ def _triad(p, E):
     return True
 
 
-@njit(cache=True)
+@kernel
 def _form(Q, a, b):
     """a^T Q b."""
     total = 0.0
@@ -113,7 +114,7 @@ def _form(Q, a, b):
     return total
 
 
-@njit(cache=True)
+@kernel
 def _depths(line, Q, branch, cosines, squares, d):
     """Positive depths where a line meets the conic Q, scaled to the triangle; False when there are none."""
     k = np.argmax(np.abs(line))
@@ -140,7 +141,7 @@ def _depths(line, Q, branch, cosines, squares, d):
     return True
 
 
-@njit(cache=True)
+@kernel
 def _align(d, rays, side, X, EX, R, t):
     """R, t that move the triangle X with axes EX onto the rays at depths d; returns 1, or 0 when it is a line."""
     P, EC = np.empty((3, 3)), np.empty((3, 3))
@@ -156,7 +157,7 @@ def _align(d, rays, side, X, EX, R, t):
     return 1
 
 
-@njit(cache=True)
+@kernel
 def p3p(X, rays, side, R_out, t_out):
     """Poses (at most four) that put three points on three unit rays; returns how many.
 

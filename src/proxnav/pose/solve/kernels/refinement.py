@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from proxnav.geometry.compiled.kernel import kernel
 from proxnav.geometry.compiled.lens import distort
 
 
-@njit(cache=True)
+@kernel
 def distances(R, t, X, pixels, info, lens, side, d2):
     """Squared Mahalanobis reprojection errors with the distorted projection; infinite on the wrong side."""
     for i in range(len(X)):
@@ -23,7 +23,7 @@ def distances(R, t, X, pixels, info, lens, side, d2):
                 d2[i] = eu * (info[i, 0] * eu + 2.0 * info[i, 1] * ev) + info[i, 2] * ev * ev
 
 
-@njit(cache=True)
+@kernel
 def _rho(d2, loss, k2):
     """Robust cost and weight of a squared error: loss 0 squares, 1 Huber, 2 Cauchy, with k2 = k^2."""
     if loss == 2:
@@ -33,7 +33,7 @@ def _rho(d2, loss, k2):
     return d2, 1.0
 
 
-@njit(cache=True)
+@kernel
 def normal_equations(R, t, X, pixels, info, use, lens, side, loss, k2, H, g):
     """H = J^T W J and g = J^T W e for (dt, dr) with t + dt, exp(dr) R; returns the robust cost.
 
@@ -73,7 +73,7 @@ def normal_equations(R, t, X, pixels, info, use, lens, side, loss, k2, H, g):
     return cost
 
 
-@njit(cache=True)
+@kernel
 def _solve6(H, g, damping, step):
     """step = (H + damping diag H)^-1 g by Cholesky; False when H is not positive definite."""
     L = np.zeros((6, 6))
@@ -101,7 +101,7 @@ def _solve6(H, g, damping, step):
     return True
 
 
-@njit(cache=True)
+@kernel
 def perturb(R, t, step, R_out, t_out):
     """t + dt and exp(dr) R (Rodrigues)."""
     a, b, c = step[3], step[4], step[5]
@@ -118,7 +118,7 @@ def perturb(R, t, step, R_out, t_out):
         t_out[k] = t[k] + step[k]
 
 
-@njit(cache=True)
+@kernel
 def refine(R, t, X, pixels, info, use, lens, side, loss, k2, iterations):
     """Levenberg-Marquardt in place on the points in use; returns the robust cost."""
     H, g, step = np.empty((6, 6)), np.empty(6), np.empty(6)
@@ -147,7 +147,7 @@ def refine(R, t, X, pixels, info, use, lens, side, loss, k2, iterations):
     return cost
 
 
-@njit(cache=True)
+@kernel
 def to_wxyz(R):
     """Unit quaternion of a rotation matrix, largest component first computed (S. W. Shepperd, 1978)."""
     q = np.empty(4)
