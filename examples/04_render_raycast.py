@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 
 from proxnav import presets
-from proxnav.records import Frame
 from proxnav.pipeline import draw_scenes
+from proxnav.records import Frame
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.targets.loading import load_target
 

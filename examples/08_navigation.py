@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from proxnav import presets
-from proxnav.navigation.config import NavigationConfig
 from proxnav.evaluation.navigation_errors import nav_errors
-from proxnav.navigation.navigator import run_filter, scene_of
-from proxnav.flight.simulate import SimulationConfig, simulate
 from proxnav.evaluation.solution_files import csv_text, solution_columns
+from proxnav.flight.simulate import SimulationConfig, simulate
 from proxnav.flight.truth_files import true_states
+from proxnav.navigation.config import NavigationConfig
+from proxnav.navigation.navigator import run_filter, scene_of
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select
 from proxnav.viewing.flight_folder import read_flight
@@ -36,7 +36,9 @@ def main(out: Path = Path("out/examples"), seconds: float = 120.0) -> np.ndarray
     for row in section["rows"]:
         print(f"{row['name']:22} RMS {row['rms']:>8}   inside 3 sigma {row['inside']:>7} (honest {section['honest']})")
     last = errors.errors[-1, :3]
-    print(f"position error after {seconds:.0f} s: {np.linalg.norm(last):.2f} m at {flight.range_m[-1]:.0f} m; {solution}")
+    print(
+        f"position error after {seconds:.0f} s: {np.linalg.norm(last):.2f} m at {flight.range_m[-1]:.0f} m; {solution}"
+    )
     return last
 
 

@@ -1,4 +1,4 @@
-"""Whatever fuzzing found, and whole files: each is a value or one sentence. design/fuzz.py adds to the corpus."""
+"""Whatever fuzzing found, and whole files: each is a value or one sentence. tools/fuzz.py adds to the corpus."""
 
 import shutil
 from pathlib import Path

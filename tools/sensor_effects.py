@@ -1,6 +1,6 @@
 """Draws docs/gallery/sensor-effects.jpg: what each effect of the sensor does, alone, and the Sun in the lens.
 
-    python design/sensor_effects.py
+    python tools/sensor_effects.py
 
 Effects are shown several times stronger than in the presets, where they would hardly show at this size; the captions
 say how strong. The last row is the speed-class preset as it is.
@@ -13,9 +13,9 @@ import cv2
 import numpy as np
 
 from proxnav import presets
-from proxnav.records import ExposureSpec, Frame, SceneSpec, SensorSpec
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.records import ExposureSpec, Frame, SceneSpec, SensorSpec
 from proxnav.rendering.raycast import RaycastRenderer
 from proxnav.scenes.random_scene import random_scene
 from proxnav.sensor import choose_exposure, expose

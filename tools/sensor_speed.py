@@ -1,6 +1,6 @@
 """Prints the CPU time of one exposure by the speed-class camera, for a training crop and for a full frame.
 
-    OMP_NUM_THREADS=1 python design/sensor_speed.py
+    OMP_NUM_THREADS=1 python tools/sensor_speed.py
 
 Thread time, so that other work on the machine counts less; the least of seven runs after a first that compiles.
 """
@@ -11,8 +11,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from proxnav.records import ExposureSpec, Frame, SceneSpec, SunSpec, Window
 from proxnav.geometry import Camera
+from proxnav.records import ExposureSpec, Frame, SceneSpec, SunSpec, Window
 from proxnav.sensor import expose
 from proxnav.sensor.presets import SENSORS
 

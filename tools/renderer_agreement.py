@@ -1,6 +1,6 @@
 """Ray casting against Cycles over random scenes: masks, depth, radiance. Prints JSON; draws the pairs with --pictures.
 
-    python design/renderer_agreement.py --scenes 50 --earth --out benchmarks/results/render
+    python tools/renderer_agreement.py --scenes 50 --earth --out benchmarks/results/render
 
 The ratio of radiances is taken pixel by pixel over what both renderers see as target, where the Sun shines on it: more
 than `LIT` of a sunlit white plate in Cycles' picture. Pixels on silhouettes count only when both cover them fully.
@@ -16,14 +16,14 @@ from typing import Any
 import cv2
 import numpy as np
 
-from proxnav.storage.files import write_json
+from proxnav.geometry import Camera
 from proxnav.records import Frame, SceneSpec, TextureSpec
 from proxnav.records.scene import SUN_IRRADIANCE
-from proxnav.geometry import Camera
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.scenes import RandomSceneConfig, random_scene
+from proxnav.storage.files import write_json
 from proxnav.targets.loading import load_target
 
 LIT = 0.02

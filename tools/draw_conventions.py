@@ -1,4 +1,4 @@
-"""Draws docs/gallery/conventions-*.svg: the frames round a target, and where pixels begin. Run from the repository's root."""
+"""Draws docs/gallery/conventions-*.svg: the frames round a target, and where pixels begin; run it from the root."""
 
 from pathlib import Path
 
@@ -15,7 +15,9 @@ SAVE = {"format": "svg", "metadata": {"Date": None}}
 def arrow(axes: Axes, start: tuple[float, float], step: tuple[float, float], colour: str, text: str) -> None:
     """An arrow with a label beyond its tip."""
     end = (start[0] + step[0], start[1] + step[1])
-    axes.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2, "shrinkA": 0, "shrinkB": 0})
+    axes.annotate(
+        "", end, start, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2, "shrinkA": 0, "shrinkB": 0}
+    )
     x, y = np.array(step) / np.hypot(*step)
     ha = "left" if x > 0.5 else "right" if x < -0.5 else "center"
     axes.text(end[0] + 0.15 * x, end[1] + 0.3 * y, text, color=colour, ha=ha, va="center", fontsize=10, bbox=GROUND)

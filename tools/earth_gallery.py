@@ -1,6 +1,6 @@
 """Draws docs/gallery/earth-*.jpg: what the background model shows from 400 km.
 
-Run: python design/earth_gallery.py [NAME...]
+Run: python tools/earth_gallery.py [NAME...]
 Tone mapping is for the eye only; the model itself gives linear radiance.
 """
 
@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from proxnav.records import EarthSpec, SceneSpec, SunSpec, Window
 from proxnav.geometry import Camera
+from proxnav.records import EarthSpec, SceneSpec, SunSpec, Window
 from proxnav.rendering.earth import background_image
 
 GALLERY = Path(__file__).resolve().parents[1] / "docs" / "gallery"

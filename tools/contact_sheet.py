@@ -1,4 +1,4 @@
-"""Twelve frames of a data set on one sheet, labels drawn: python design/contact_sheet.py DATASET OUT.jpg
+"""Twelve frames of a data set on one sheet, labels drawn: python tools/contact_sheet.py DATASET OUT.jpg
 
 The counts are linear in the light; for the eye the sheet shows their square root. Green: visible keypoints, red:
 hidden ones.
@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 
 from proxnav.datasets.set.dataset import Dataset, read_image
-from proxnav.storage.files import inside
 from proxnav.records import HIDDEN, VISIBLE
+from proxnav.storage.files import inside
 from proxnav.viewing.overlay import contact_sheet
 
 _COLOURS = {VISIBLE: (90, 230, 90), HIDDEN: (240, 80, 70)}

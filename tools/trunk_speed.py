@@ -1,6 +1,6 @@
 """Time of each trunk's crop network, one crop, by the runtime that `auto` takes; untrained weights cost the same.
 
-python design/trunk_speed.py [--side 192] [--rounds 60]
+python tools/trunk_speed.py [--side 192] [--rounds 60]
 """
 
 import argparse

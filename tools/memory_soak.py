@@ -1,6 +1,6 @@
 """Resident memory over many frames of either renderer, every 50 frames: flat, or what grows.
 
-    python design/memory_soak.py [--frames 1000] [--renderers raycast cycles] [--out FOLDER]
+    python tools/memory_soak.py [--frames 1000] [--renderers raycast cycles] [--out FOLDER]
 
 Small frames of random scenes, textures new in each, Earth in half: what could pile up does so by number, not by pixel.
 """
@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from proxnav import presets
-from proxnav.storage.files import write_json
-from proxnav.records import SceneSpec
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.pipeline import draw_scenes
+from proxnav.records import SceneSpec
 from proxnav.rendering.cycles import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.sensor.expose import expose
+from proxnav.storage.files import write_json
 from proxnav.targets.loading import load_target
 
 STEP, SIDE = 50, 96

@@ -1,6 +1,6 @@
 """Frames per second of ray casting on one core, by size, with and without Earth, in processor time.
 
-    python design/raycast_speed.py
+    python tools/raycast_speed.py
 
 Each size is a crop whose camera shows Space Rider at 20 m so that it fills four fifths of it, as a network sees it.
 """
@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from proxnav.records import SceneSpec, TextureSpec
 from proxnav.geometry import Camera
+from proxnav.records import SceneSpec, TextureSpec
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.scenes import RandomSceneConfig, random_scene
 from proxnav.targets.loading import load_target

@@ -1,6 +1,6 @@
 """What Cycles costs through us, against a bare bpy loop over the same scenes with the same samples and window.
 
-    python design/cycles_overhead.py [frames] [samples]
+    python tools/cycles_overhead.py [frames] [samples]
 
 The bare loop has the target, materials and light in the same Blender and does nothing per frame but move the camera
 and the Sun, render the picture once and write it as OpenEXR. Ours adds what makes it a frame: the pass of exact depths
@@ -22,7 +22,7 @@ def bare(worker_path: str) -> None:
     from bare_blender import begin
 
     worker, reply, requests = begin(worker_path, FOLDER)
-    import bpy
+    import bpy  # pyright: ignore[reportMissingImports]  # Blender's interpreter has it
 
     scene = bpy.context.scene
     for line in sys.stdin:
@@ -79,8 +79,8 @@ def draw_scenes(count: int) -> list:
     """Random attitudes at 15 to 100 m, sunlit from behind the camera's left shoulder."""
     import numpy as np
 
-    from proxnav.records import SceneSpec, SunSpec
     from proxnav.geometry import Camera, Pose, quaternion
+    from proxnav.records import SceneSpec, SunSpec
 
     camera, rng, scenes = Camera(1024, 1024, 1407.0, 1407.0, 512.0, 512.0), np.random.default_rng(7), []
     for index in range(count):
@@ -106,8 +106,8 @@ def write_requests(target, config, scenes: list) -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     paint, maps = paint_arrays(target, TextureSpec())
     mesh = mesh_arrays(target)
-    np.savez(FOLDER / "load.npz", **mesh)
-    np.savez(FOLDER / "paint.npz", face_part=mesh["face_part"], **maps)
+    np.savez(FOLDER / "load.npz", allow_pickle=False, **mesh)
+    np.savez(FOLDER / "paint.npz", allow_pickle=False, face_part=mesh["face_part"], **maps)
     frames = []
     for scene in scenes:
         window = target_window(target.vertices_m, scene.T_cam_target, scene.camera, Window(0, 0, 1024, 1024))

@@ -1,6 +1,6 @@
 """How far the exported Keypoint R-CNN is from torch on whole frames, keypoint by keypoint.
 
-    python design/onnx_agreement.py runs/rcnn/model --weights runs/rcnn/weights.safetensors
+    python tools/onnx_agreement.py runs/rcnn/model --weights runs/rcnn/weights.safetensors
 
 Frames are ray-cast ones of `observation-10-100m` that no training sees. Two differences: the graph against the network
 of the model folder's own 8 bit weights (the export alone), and against the float32 weights of the training (the export
@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.learning.rcnn_validation import fresh_frames
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig
 from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.keypoint_rcnn.predict import predict
 from proxnav.detection.keypoint_rcnn.weights import load_network
+from proxnav.learning.rcnn_validation import fresh_frames
 
 
 def main() -> None:

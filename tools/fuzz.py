@@ -1,7 +1,7 @@
 """Coverage-guided fuzzing of every reader (atheris): anything but a value or an InputError is a finding.
 
-    python design/fuzz.py trajectories --seconds 300 --out out/fuzz     one reader
-    python design/fuzz.py all --seconds 300 --out out/fuzz              each in a process of its own, in turn
+    python tools/fuzz.py trajectories --seconds 300 --out out/fuzz     one reader
+    python tools/fuzz.py all --seconds 300 --out out/fuzz              each in a process of its own, in turn
 
 An input is one byte that chooses the file name, then the file. A finding is kept once for each place in the code, under
 OUT/findings/READER/, named as the reader wants it: moved into tests/hostile/corpus/READER/ it is a regression test.
@@ -54,7 +54,8 @@ def fuzz(name: str, seconds: int, out: Path) -> None:
     """One reader; never returns, the fuzzer ends the process."""
     import atheris
 
-    with atheris.instrument_imports(include=["proxnav"], enable_loader_override=False):
+    instrument = atheris.instrument_imports  # pyright: ignore[reportAttributeAccessIssue]
+    with instrument(include=["proxnav"], enable_loader_override=False):
         from hostile_readers import READERS, value_or_refusal
 
         reader = READERS[name]

@@ -1,6 +1,6 @@
 """Ray casting against Blender as one would use it bare: the whole frame, Earth as a textured ball in the scene.
 
-    python design/cycles_whole_frame.py [frames] [samples] [size]
+    python tools/cycles_whole_frame.py [frames] [samples] [size]
 
 The bare loop has the target with our materials, the Sun and a ball with the Blue Marble picture (no air, no cloud), and
 does nothing per frame but move them and render one picture to OpenEXR: no labels, no sensor, no exact depth. Ray
@@ -25,7 +25,7 @@ def bare(worker_path: str) -> None:
     from bare_blender import begin
 
     worker, reply, requests = begin(worker_path, FOLDER)
-    import bpy
+    import bpy  # pyright: ignore[reportMissingImports]  # Blender's interpreter has it
 
     scene, earth = bpy.context.scene, _ball(bpy, requests["picture"])
     for line in sys.stdin:
@@ -137,8 +137,8 @@ def write_requests(target, samples: int, scenes: list) -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     paint, maps = paint_arrays(target, TextureSpec())
     mesh = mesh_arrays(target)
-    np.savez(FOLDER / "load.npz", **mesh)
-    np.savez(FOLDER / "paint.npz", face_part=mesh["face_part"], **maps)
+    np.savez(FOLDER / "load.npz", allow_pickle=False, **mesh)
+    np.savez(FOLDER / "paint.npz", allow_pickle=False, face_part=mesh["face_part"], **maps)
     config, frames = CyclesConfig(samples=samples), []
     for scene in scenes:
         whole = Window(0, 0, scene.camera.width, scene.camera.height)

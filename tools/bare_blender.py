@@ -13,9 +13,11 @@ def begin(worker_path: str, folder: Path) -> tuple:
     import numpy as np
 
     spec = importlib.util.spec_from_file_location("worker", worker_path)
+    assert spec is not None
+    assert spec.loader is not None
     worker = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(worker)
-    import bpy
+    import bpy  # pyright: ignore[reportMissingImports]  # Blender's interpreter has it
 
     reply = worker.claim_stdout()
     requests = json.loads((folder / "requests.json").read_text())

@@ -1,6 +1,6 @@
 """Draws the pictures of docs/gallery.md in which Space Rider is seen; with --all Earth's and the sensor's too.
 
-    python design/gallery.py [--all] [NAME...]
+    python tools/gallery.py [--all] [NAME...]
 
 Names: ranges, eclipse, flare, foil, pair. Tone mapping is for the eye only; the renderers give linear radiance.
 """
@@ -13,20 +13,20 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from scipy.spatial.transform import Rotation
+
 from earth_gallery import GALLERY
 from earth_gallery import scene as over_earth
-from scipy.spatial.transform import Rotation
-from sensor_effects import sun_picture, write
-
-from proxnav.records import EarthSpec, Frame, SceneSpec
-from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import sun_visible_fraction
+from proxnav.records import EarthSpec, Frame, SceneSpec
+from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.rendering.cycles import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.targets.loading import load_target
+from sensor_effects import sun_picture, write
 
 WHITE = float(np.mean(SUN_IRRADIANCE)) / np.pi
 FINE = RaycastConfig(samples=16, interior_samples=8, sun_samples=32, bounces=3, ambient_rays=256, environment_rows=64)

@@ -1,7 +1,7 @@
 """Whether a renderer holds on: frame after frame in one process, its memory and handles at every tenth of the way.
 
-    python design/soak.py raycast 10000 32 --out benchmarks/results/scale      tiny frames, many
-    python design/soak.py cycles 500 64 --samples 1                            Blender's own process counts as well
+    python tools/soak.py raycast 10000 32 --out benchmarks/results/scale      tiny frames, many
+    python tools/soak.py cycles 500 64 --samples 1                            Blender's own process counts as well
 
 Memory is what this process and its children hold alone: the maps of Earth and the libraries that they share with others
 would seem to grow whenever another process ends. Handles are open file descriptors. Flat: from a tenth of the way to
@@ -18,7 +18,7 @@ from pathlib import Path
 import psutil
 
 from proxnav import presets
-from proxnav.frames import FrameConfig, FrameJob
+from proxnav.frames import FrameConfig, FrameJob, Renderer
 from proxnav.pipeline import draw_scenes
 
 
@@ -39,7 +39,7 @@ def main() -> int:
     return 0 if found["flat"] else 1
 
 
-def soak(renderer: str, frames: int, size: int, samples: int) -> dict:
+def soak(renderer: Renderer, frames: int, size: int, samples: int) -> dict:
     """Draws the frames and measures on the way."""
     preset = presets.preset("observation-10-100m")
     make, marks, start = FrameJob(preset.target, FrameConfig(renderer, samples))(), [], time.monotonic()
