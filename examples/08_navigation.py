@@ -6,14 +6,14 @@ import numpy as np
 
 from proxnav import presets
 from proxnav.evaluation.navigation_errors import nav_errors
-from proxnav.evaluation.solution_files import csv_text, solution_columns
+from proxnav.evaluation.solution_files import read_solution, solution_columns
 from proxnav.flight.simulate import SimulationConfig, simulate
 from proxnav.flight.truth_files import true_states
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.navigator import run_filter, scene_of
+from proxnav.storage.tables import write_columns
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select
-from proxnav.viewing.flight_folder import read_flight
 from proxnav.viewing.report_filter import filter_section
 
 
@@ -28,17 +28,15 @@ def main(out: Path = Path("out/examples"), seconds: float = 120.0) -> np.ndarray
     states, _, _ = run_filter(records, scene_of(records, target.keypoints_m, camera, config), t)
     errors = nav_errors(states, true_states(truth).at(t))
 
-    (out / "08_navigation").mkdir(parents=True, exist_ok=True)
     solution = out / "08_navigation" / "solution.csv"
-    solution.write_text(csv_text(solution_columns(states, errors)))
-    section = filter_section(read_flight(solution.parent))
+    write_columns(solution, solution_columns(states, errors))
+    section = filter_section(read_solution(solution.parent))
     assert section is not None
     for row in section["rows"]:
         print(f"{row['name']:22} RMS {row['rms']:>8}   inside 3 sigma {row['inside']:>7} (honest {section['honest']})")
     last = errors.errors[-1, :3]
-    print(
-        f"position error after {seconds:.0f} s: {np.linalg.norm(last):.2f} m at {flight.range_m[-1]:.0f} m; {solution}"
-    )
+    off, range_m = np.linalg.norm(last), flight.range_m[-1]
+    print(f"position error after {seconds:.0f} s: {off:.2f} m at {range_m:.0f} m; {solution}")
     return last
 
 

@@ -127,8 +127,8 @@ def _target_beside(folder: Path) -> None:
 
 
 def _image(path: Path) -> None:
-    from proxnav.datasets.set.dataset import read_image
-    from proxnav.images.grey import grey_8_bit
+    from proxnav.images.codecs import read_image
+    from proxnav.images.tones import grey_8_bit
 
     grey_8_bit(read_image(path))
 

@@ -13,7 +13,7 @@ from proxnav.detection.sessions import open_session
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator, write_model_card
 from proxnav.geometry import Camera, Pose, quaternion
-from proxnav.images.grey import grey_8_bit
+from proxnav.images.tones import grey_8_bit
 from proxnav.records import Keypoints
 from proxnav.targets.space_rider import space_rider
 

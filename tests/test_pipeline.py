@@ -21,7 +21,7 @@ from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig
 from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, sample_source
-from proxnav.pipeline import draw_scenes, follow, judge, observable, render, telling, truth_of, write_run
+from proxnav.pipeline import draw_scenes, follow, judge, observable, render, truth_of, write_run
 from proxnav.records import Keypoints
 from proxnav.storage.lock import LOCK
 from proxnav.viewing.report import report_html
@@ -168,21 +168,6 @@ def test_ranks_draw_disjoint_samples_and_together_all_of_them():
     assert shares[0] | shares[1] == whole
     assert not shares[0] & shares[1]
     assert set(islice(sample_source(Same(), workers=1, repeats=1, block=8)(0, 1), 24)) == whole
-
-
-@pytest.mark.parametrize("frames", range(1, 40))
-def test_telling_frames_are_named_once_and_of_three_kinds(frames):
-    order = np.random.default_rng(frames).permutation(frames)
-    named = telling(order, 10)
-    places = [int(name.split("-")[1]) for name, _ in named]
-    kinds = [name.split("-")[0] for name, _ in named]
-    assert len(set(places)) == len(named) == min(frames, 30)
-    assert [int(order[place]) for place in places] == [index for _, index in named]
-    assert {"best", "median", "worst"} == set(kinds) or frames < 3
-    counts = [kinds.count(kind) for kind in ("best", "median", "worst")]
-    assert max(counts) - min(counts) <= 1
-    assert max(places, default=0) == frames - 1 or frames < 2
-    assert places[0] == 0
 
 
 @pytest.mark.parametrize(("frames", "seed"), [(0, 0), (-3, 0), (1, -1)])

@@ -7,9 +7,9 @@ import pytest
 
 from proxnav import presets
 from proxnav.estimator import PoseEstimator
-from proxnav.evaluation.errors import pose_errors
 from proxnav.evaluation.table import STUDY
 from proxnav.frames import FrameConfig, FrameJob
+from proxnav.geometry.pose_errors import pose_errors
 from proxnav.pipeline import draw_scenes
 
 FRAMES = 16

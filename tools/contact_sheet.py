@@ -10,7 +10,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from proxnav.datasets.set.dataset import Dataset, read_image
+from proxnav.datasets.set.dataset import Dataset
+from proxnav.images.codecs import read_image
 from proxnav.records import HIDDEN, VISIBLE
 from proxnav.storage.files import inside
 from proxnav.viewing.overlay import contact_sheet

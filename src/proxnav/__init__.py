@@ -19,7 +19,7 @@ _PUBLIC = {
     "Target": "proxnav.targets.target",
     "Trajectory": "proxnav.records",
     "estimate_pose": "proxnav.pose.solve.estimate",
-    "pose_errors": "proxnav.evaluation.errors",
+    "pose_errors": "proxnav.geometry.pose_errors",
 }
 """Name to module: each is imported when first used, so that `import proxnav` costs milliseconds."""
 
@@ -40,9 +40,9 @@ __all__ = [
 if TYPE_CHECKING:
     from proxnav.errors import InputError
     from proxnav.estimator import PoseEstimator
-    from proxnav.evaluation.errors import pose_errors
     from proxnav.geometry.camera import Camera
     from proxnav.geometry.pose import Pose
+    from proxnav.geometry.pose_errors import pose_errors
     from proxnav.pose.solve.estimate import estimate_pose
     from proxnav.records import Keypoints, PoseResult, Trajectory
     from proxnav.targets.target import Target

@@ -16,7 +16,8 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.types import Box
 from proxnav.images.crop import box_in_image
-from proxnav.images.grey import check_size, grey_8_bit
+from proxnav.images.size import check_size
+from proxnav.images.tones import grey_8_bit
 from proxnav.pose.align import AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose

@@ -12,13 +12,14 @@ from jaxtyping import Bool, Float
 
 from proxnav.cluster.jobs import POOL, is_elsewhere, run_anywhere
 from proxnav.datasets.formats.speed_poses import PoseRecord, write_poses
-from proxnav.datasets.set.dataset import Dataset, encode_png
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.datasets.set.writer import DatasetWriter, encode_frame
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.evaluation.consistency import Consistency, Efficiency, consistency, efficiency_by_range
 from proxnav.evaluation.metrics import metrics
-from proxnav.evaluation.pairing import Frame, pair
+from proxnav.evaluation.pairing import PairedFrame, from_best_to_worst, pair
+from proxnav.evaluation.run_folder import CONFIG, METRICS, OVERLAYS, POSES, TRUTH, overlay_files, telling
 from proxnav.evaluation.run_frames import FrameNote, RunFrames, write_run_frames
 from proxnav.evaluation.summary import Summary, by_range, summarise_frames
 from proxnav.evaluation.table import consistency_line, efficiency_table, range_table, table1
@@ -26,6 +27,7 @@ from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.types import Points
+from proxnav.images.codecs import encode_png
 from proxnav.pose.solve.crlb import cramer_rao_white
 from proxnav.presets import Preset
 from proxnav.records import VISIBLE, FrameLabel, Keypoints, SceneSpec, Trajectory
@@ -38,7 +40,6 @@ from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select, spread
 from proxnav.viewing.overlay import caption, overlay
-from proxnav.viewing.run_folder import overlay_files
 
 LARGEST_SIDE_PX = 16_384
 EFFICIENCY_EDGES_M = (10.0, 15.0, 25.0, 40.0, 60.0, 70.0, 90.0, 110.0)
@@ -186,7 +187,7 @@ class Judgement:
 
     records: tuple[PoseRecord, ...]
     truth: tuple[PoseRecord, ...]
-    frames: tuple[Frame, ...]
+    frames: tuple[PairedFrame, ...]
     summary: Summary
     consistency: Consistency | None
     efficiency: Mapping[tuple[float, float], Efficiency]
@@ -230,19 +231,18 @@ def write_run(
 
     `options` is the dataclass that the run was asked with; without `keypoints` the detector looks at every frame again.
     """  # fmt: skip
-    write_poses(out / "poses.json", judgement.records)
-    write_poses(out / "truth.json", judgement.truth)
-    write_json(out / "metrics.json", judgement.metrics(), indent=1)
-    write_json(out / "config.json", run_record(options), indent=1)
+    write_poses(out / POSES, judgement.records)
+    write_poses(out / TRUTH, judgement.truth)
+    write_json(out / METRICS, judgement.metrics(), indent=1)
+    write_json(out / CONFIG, run_record(options), indent=1)
     if keypoints is None:
         keypoints = [estimator.observe(dataset.image(k), dataset.camera)[0] for k in range(len(dataset))]
     write_run_frames(out, notes_of(dataset, estimator.points_target_m, keypoints))
-    for stale in overlay_files(out / "overlays"):
+    for stale in overlay_files(out / OVERLAYS):
         stale.unlink()
-    errors = [np.inf if frame.errors is None else frame.errors.e_c for frame in judgement.frames]
-    for name, index in telling(np.argsort(errors, kind="stable"), each):
+    for name, index in telling(from_best_to_worst(judgement.frames), each):
         picture = draw(index, judgement, dataset, estimator.points_target_m, keypoints[index])
-        write_atomic(out / "overlays" / f"{name}.png", encode_png(picture))
+        write_atomic(out / OVERLAYS / name, encode_png(picture))
 
 
 def notes_of(dataset: Dataset, points_target_m: Points, keypoints: Sequence[Keypoints]) -> RunFrames:
@@ -288,22 +288,6 @@ def best_covariance(label: FrameLabel, points_target_m: Points, camera: Camera) 
             return cramer_rao_white(label.T_cam_target, points_target_m[visible], camera)
     except InputError:
         return None
-
-
-def telling(order: np.ndarray, each: int) -> list[tuple[str, int]]:
-    """(name, frame) of up to `each` best, median and worst frames of an order from best to worst; each frame once.
-
-    Where there are too few for all, each kind has a third of them.
-    """
-    n = len(order)
-    best, median, worst = (min(each, (n + extra) // 3) for extra in (2, 0, 1))
-    middle = min(max((n - median) // 2, best), n - worst - median)
-    places = {"best": (0, best), "median": (middle, median), "worst": (n - worst, worst)}
-    return [
-        (f"{kind}-{place:04d}", int(order[place]))
-        for kind, (start, count) in places.items()
-        for place in range(start, start + count)
-    ]
 
 
 def draw(

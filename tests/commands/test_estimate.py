@@ -8,11 +8,11 @@ import pytest
 from proxnav.cli.main import main
 from proxnav.commands import estimate
 from proxnav.datasets.formats.speed_poses import read_poses
-from proxnav.datasets.set.dataset import encode_png
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera
 from proxnav.geometry.camera_files import speed_json
+from proxnav.images.codecs import encode_png
 from proxnav.records import Keypoints
 
 CAMERA = Camera(16, 12, 20.0, 20.0, 8.0, 6.0)

@@ -1,26 +1,22 @@
-"""Run folders with known errors, as the pipeline writes them; runs that can be played."""
+"""Runs that can be reported and played."""
 
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.run_folders import write_run_folder
 
 from proxnav.cli.main import main
-from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses, write_poses
-from proxnav.datasets.set.dataset import encode_png
-from proxnav.evaluation.consistency import consistency
-from proxnav.evaluation.metrics import metrics
-from proxnav.evaluation.pairing import pair
+from proxnav.datasets.formats.speed_poses import read_poses
 from proxnav.evaluation.run_frames import FrameNote, RunFrames, write_run_frames
-from proxnav.evaluation.summary import summarise_frames
-from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry import Camera
+from proxnav.images.codecs import encode_png
 from proxnav.storage.files import write_atomic, write_json
 from proxnav.targets.loading import load_target
 
 CAMERA = Camera(96, 80, 130.0, 131.0, 47.0, 41.0)
 TARGET = load_target("space-rider")
-SIGMA = np.array([0.02, 0.02, 0.2, 0.01, 0.01, 0.01])  # m, rad
 
 
 @pytest.fixture
@@ -28,34 +24,10 @@ def make_run(tmp_path: Path, rng: np.random.Generator) -> Callable[..., Path]:
     """make_run(frames, names=None, side=64, pictures=3): frame 1 has no pose, frame 2 is a half turn, if there are."""
 
     def make(frames: int, names: list[str] | None = None, side: int = 64, pictures: int = 3) -> Path:
-        folder = tmp_path / f"run-{frames}"
         names = names or [f"{k:06d}.png" for k in range(frames)]
-        truth = [PoseRecord(name, _true(rng), "truth") for name in names]
-        estimates = [_estimate(k, record, rng) for k, record in enumerate(truth)]
-        write_poses(folder / "poses.json", estimates)
-        write_poses(folder / "truth.json", truth)
-        pairs = pair({e.filename: e for e in estimates}, {t.filename: t for t in truth})
-        write_json(folder / "metrics.json", metrics(summarise_frames(pairs), consistency(pairs)))
-        for k in range(pictures):
-            image = rng.integers(0, 256, (side, side, 3), dtype=np.uint8)
-            write_atomic(folder / "overlays" / f"{('best', 'median', 'worst')[k % 3]}-{k:04d}.png", encode_png(image))
-        return folder
+        return write_run_folder(tmp_path / f"run-{frames}", rng, names, side, pictures)
 
     return make
-
-
-def _true(rng: np.random.Generator) -> Pose:
-    return Pose.from_wxyz("cam", "target", quaternion.random(rng, 1)[0], [*rng.normal(size=2), rng.uniform(10, 100)])
-
-
-def _estimate(k: int, truth: PoseRecord, rng: np.random.Generator) -> PoseRecord:
-    if k == 1:
-        return PoseRecord(truth.filename, None, "no_consensus")
-    T, error = truth.T_cam_target, SIGMA * rng.normal(size=6)
-    assert T is not None
-    turn = quaternion.exp(np.array([0.0, 0.0, 3.0]) if k == 2 else error[3:])
-    T_est = Pose.from_wxyz("cam", "target", quaternion.multiply(turn, T.q_wxyz), T.t_m + error[:3])
-    return PoseRecord(truth.filename, T_est, "ok", np.diag(SIGMA**2))
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
+from proxnav.evaluation.run_folder import read_run
 from proxnav.evaluation.table import STUDY as STUDY_OF_EVALUATION
 from proxnav.storage.files import write_json
 from proxnav.viewing.report import STUDY, coverage, flattened, headline, report_html
-from proxnav.viewing.run_folder import read_run
 
 
 def _rows(page: str, section: str) -> list[list[str]]:

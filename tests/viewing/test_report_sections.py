@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from proxnav.errors import InputError
-from proxnav.viewing.flight_folder import read_flight
+from proxnav.evaluation.run_folder import read_run
+from proxnav.evaluation.solution_files import read_solution
 from proxnav.viewing.report import report_html
 from proxnav.viewing.report_filter import filter_section
-from proxnav.viewing.run_folder import read_run
 
 
 def _section(page: str, name: str) -> str:
@@ -44,7 +44,7 @@ def test_a_flight_alone_is_a_report(flight: Path) -> None:
 
 
 def test_shares_inside_3_sigma_are_counted_from_the_solution(flight: Path) -> None:
-    solution = read_flight(flight)
+    solution = read_solution(flight)
     section = filter_section(solution)
     assert section is not None
     for k, row in enumerate(section["rows"]):
@@ -65,7 +65,7 @@ def test_a_solution_without_truth_has_no_filter_section(flight: Path, tmp_path: 
     rows = [line.split(",") for line in (flight / "solution.csv").read_text().splitlines()]
     kept = [k for k, name in enumerate(rows[0]) if not re.match(r"error_|nees|inside", name)]
     (tmp_path / "solution.csv").write_text("\n".join(",".join(row[k] for k in kept) for row in rows))
-    assert filter_section(read_run(tmp_path).flight) is None
+    assert filter_section(read_run(tmp_path).solution) is None
     assert 'id="filter"' not in report_html(tmp_path, "no truth")
 
 

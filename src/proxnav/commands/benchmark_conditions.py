@@ -17,11 +17,11 @@ from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.look_jobs import LookJob
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
-from proxnav.evaluation.errors import pose_errors
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import EARTH_MEAN_RADIUS, sun_visible_fraction
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
+from proxnav.geometry.pose_errors import pose_errors
 from proxnav.learning.crops import BEHIND_M
 from proxnav.presets import Preset
 from proxnav.records import PoseResult, SceneSpec

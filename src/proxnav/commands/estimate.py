@@ -12,11 +12,12 @@ from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.commands.estimate_jobs import bad_image, estimate_anywhere, observe
 from proxnav.datasets.formats.speed_poses import PoseRecord, write_poses
-from proxnav.datasets.set.dataset import Dataset, read_image
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera
+from proxnav.images.codecs import read_image
 from proxnav.records import Keypoints
 from proxnav.storage.files import check_new_file, inside
 

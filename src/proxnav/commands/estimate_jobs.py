@@ -10,11 +10,11 @@ from proxnav.cli.progress import progress
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import is_elsewhere, run_anywhere
 from proxnav.datasets.formats.speed_poses import PoseRecord
-from proxnav.datasets.set.dataset import decode_image, read_image_file
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator, shipped_models
 from proxnav.geometry import Camera
+from proxnav.images.codecs import decode_image, read_image_file
 from proxnav.records import Keypoints
 
 Sent = tuple[str, bytes]

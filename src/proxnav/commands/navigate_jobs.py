@@ -11,7 +11,7 @@ from proxnav.cluster.carried import Carried
 from proxnav.commands.many_runs import Named, files_of
 from proxnav.datasets.sensor_records.files import read_records
 from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors, outcomes
-from proxnav.evaluation.solution_files import csv_text, solution_columns
+from proxnav.evaluation.solution_files import solution_columns
 from proxnav.flight.truth_files import TrueStates, read_truth
 from proxnav.geometry import Camera
 from proxnav.geometry.types import Points
@@ -19,7 +19,8 @@ from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.navigator import run_filter, scene_of
 from proxnav.navigation.smoother import smooth
 from proxnav.records import NavState
-from proxnav.storage.files import write_atomic, write_json
+from proxnav.storage.files import write_json
+from proxnav.storage.tables import write_columns
 from proxnav.viewing.plots import errors_in_3_sigma
 
 
@@ -87,7 +88,7 @@ def _truth(records: Path, how: Solving) -> TrueStates | None:
 
 def _write(out: Path, name: str, table: dict[str, list]) -> None:
     """Csv always, parquet where pyarrow is installed."""
-    write_atomic(out / f"{name}.csv", csv_text(table).encode())
+    write_columns(out / f"{name}.csv", table)
     try:
         import pyarrow
         from pyarrow import parquet

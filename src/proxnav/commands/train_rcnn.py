@@ -26,7 +26,7 @@ from proxnav.detection.training import Validate
 from proxnav.detection.training.ranks import is_first_rank
 from proxnav.errors import InputError
 from proxnav.estimator import write_model_card
-from proxnav.images.grey import grey_8_bit
+from proxnav.images.tones import grey_8_bit
 from proxnav.learning.crops import CropConfig, MixedJob, WholeFrameJob, sample_source
 from proxnav.learning.rcnn_validation import fresh_frames, kept_aside, mean_e_c
 from proxnav.storage.files import write_json

@@ -7,10 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from proxnav.datasets.set.dataset import decode_image
 from proxnav.datasets.shards import ShardIndex, StoredFrame
 from proxnav.detection.samples import SampleSource, TrainingSample
-from proxnav.images.grey import grey_8_bit
+from proxnav.images.codecs import decode_image
+from proxnav.images.tones import grey_8_bit
 
 Frame = TypeVar("Frame")
 

@@ -1,6 +1,5 @@
-"""Errors, tables and bounds."""
+"""Estimates against the truth: pairing, errors of many frames, honesty of covariances, tables, run folders."""
 
-from proxnav.evaluation.errors import PoseErrors, pose_errors
 from proxnav.evaluation.summary import Summary, summarise
 
-__all__ = ["PoseErrors", "Summary", "pose_errors", "summarise"]
+__all__ = ["Summary", "summarise"]

@@ -8,9 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2
 
-from proxnav.evaluation.pairing import Frame
+from proxnav.evaluation.pairing import PairedFrame
 from proxnav.geometry.mahalanobis import squared_mahalanobis
-from proxnav.geometry.perturbation import difference
 
 _DEGREES_OF_FREEDOM = 6
 _THREE_SIGMA = chi2.ppf(0.9973, _DEGREES_OF_FREEDOM)  # holds as much probability as 3 sigma of one number
@@ -62,7 +61,7 @@ class Efficiency:
         return self.rms_r_rad / self.bound_r_rad
 
 
-def consistency(frames: Sequence[Frame]) -> Consistency | None:
+def consistency(frames: Sequence[PairedFrame]) -> Consistency | None:
     """Honesty of the claims of all frames that have a pose and a covariance; None when there is none."""
     errors, covariances = _claims(frames)
     if len(errors) == 0:
@@ -81,7 +80,7 @@ def consistency(frames: Sequence[Frame]) -> Consistency | None:
 
 
 def efficiency_by_range(
-    frames: Sequence[Frame], bounds: Mapping[str, np.ndarray], edges_m: Sequence[float]
+    frames: Sequence[PairedFrame], bounds: Mapping[str, np.ndarray], edges_m: Sequence[float]
 ) -> dict[tuple[float, float], Efficiency]:
     """RMS errors over the Cramer-Rao bound per range bin; `bounds` holds the (6, 6) bound by file name."""
     known = [frame for frame in frames if frame.T_est is not None and frame.filename in bounds]
@@ -93,21 +92,16 @@ def efficiency_by_range(
     return found
 
 
-def _efficiency(frames: Sequence[Frame], bounds: Mapping[str, np.ndarray]) -> Efficiency:
-    squared = np.array([_error(frame) ** 2 for frame in frames]).reshape(-1, 2, 3).sum(axis=2)
+def _efficiency(frames: Sequence[PairedFrame], bounds: Mapping[str, np.ndarray]) -> Efficiency:
+    squared = np.array([frame.difference**2 for frame in frames]).reshape(-1, 2, 3).sum(axis=2)
     variances = np.array([np.diagonal(bounds[frame.filename]) for frame in frames]).reshape(-1, 2, 3).sum(axis=2)
     rms, bound = np.sqrt(squared.mean(axis=0)), np.sqrt(variances.mean(axis=0))
     median = np.median(np.sqrt(squared / variances), axis=0)
     return Efficiency(len(frames), *(float(x) for x in (rms[0], bound[0], rms[1], bound[1], median[0], median[1])))
 
 
-def _claims(frames: Sequence[Frame]) -> tuple[Float[np.ndarray, "m 6"], Float[np.ndarray, "m 6 6"]]:
+def _claims(frames: Sequence[PairedFrame]) -> tuple[Float[np.ndarray, "m 6"], Float[np.ndarray, "m 6 6"]]:
     claimed = [frame for frame in frames if frame.T_est is not None and frame.covariance is not None]
-    errors = np.array([_error(frame) for frame in claimed]).reshape(-1, 6)
+    errors = np.array([frame.difference for frame in claimed]).reshape(-1, 6)
     covariances = np.array([frame.covariance for frame in claimed]).reshape(-1, 6, 6)
     return errors, covariances
-
-
-def _error(frame: Frame) -> Float[np.ndarray, "6"]:
-    assert frame.T_est is not None
-    return difference(frame.T_est, frame.T_true)

@@ -1,27 +1,27 @@
 """The navigation solution as a table: states, deviations, covariance, status, and errors where truth is known."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.evaluation.navigation_errors import NavErrors
 from proxnav.geometry import quaternion
 from proxnav.records import NavState
+from proxnav.storage.tables import quaternion_columns, read_table, vector_columns
 
-_XYZ = ("x", "y", "z")
+NAME = "solution.csv"
 
-
-def _vector(stem: str, unit: str) -> list[str]:
-    return [f"{stem}_{axis}_{unit}" for axis in _XYZ]
-
-
-_ERRORS = [*_vector("r_ric", "m"), *_vector("v_ric", "mps"), *_vector("theta", "rad"), *_vector("rate", "rad_s")]
+_POSITION, _ATTITUDE = vector_columns("r_ric", "m"), vector_columns("theta", "rad")
+_ERRORS = [*_POSITION, *vector_columns("v_ric", "mps"), *_ATTITUDE, *vector_columns("rate", "rad_s")]
 _UPPER = [(i, j) for i in range(12) for j in range(i, 12)]
 
 STATE_COLUMNS = [
-    "t_s", *_vector("r_ric", "m"), *_vector("v_ric", "mps"), *[f"q_cam_target_{c}" for c in "wxyz"],
-    *_vector("t_cam_target", "m"), *_vector("rate_target", "rad_s"), *_vector("gyro_bias", "rad_s"),
-    *_vector("gnss_bias", "m"),
+    "t_s", *_POSITION, *vector_columns("v_ric", "mps"), *quaternion_columns("q_cam_target"),
+    *vector_columns("t_cam_target", "m"), *vector_columns("rate_target", "rad_s"),
+    *vector_columns("gyro_bias", "rad_s"), *vector_columns("gnss_bias", "m"),
 ]  # fmt: skip
 SIGMA_COLUMNS = [f"sigma_{name}" for name in _ERRORS]
 COVARIANCE_COLUMNS = [f"cov_{i}_{j}" for i, j in _UPPER]
@@ -41,17 +41,50 @@ def solution_columns(states: Sequence[NavState | None], errors: NavErrors | None
     return table
 
 
-def csv_text(table: dict[str, list]) -> str:
-    """With a header; numbers so that they read back the same."""
-    lines = [",".join(table)]
-    for row in zip(*table.values(), strict=True):
-        lines.append(",".join(cell if isinstance(cell, str) else repr(cell) for cell in row))
-    return "\n".join(lines) + "\n"
-
-
-def _row(state: NavState) -> np.ndarray:
+def _row(state: NavState) -> Float[np.ndarray, "n_columns"]:
     P = state.covariance
     return np.concatenate(
         [[state.t], state.r_ric_m, state.v_ric_mps, quaternion.canonical(state.q_cam_target), state.t_cam_target_m,
          state.rate_target, state.gyro_bias, state.gnss_bias_m, np.sqrt(np.diagonal(P)), [P[i, j] for i, j in _UPPER]]
     )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """What a report or a replay shows of a navigation solution at n instants; errors are true less estimated."""
+
+    t: Float[np.ndarray, "n"]
+    status: tuple[str, ...]
+    r_ric_m: Float[np.ndarray, "n 3"]
+    """Position of the camera in the target's RIC frame."""
+    q_cam_target: Float[np.ndarray, "n wxyz=4"]
+    sigma: Float[np.ndarray, "n 6"]
+    """Standard deviations of RIC position [m] and of attitude [rad], target axes."""
+    covariance_m2: Float[np.ndarray, "n 3 3"]
+    """Covariance of RIC position."""
+    errors: Float[np.ndarray, "n 6"]
+    """Errors of RIC position [m] and attitude [rad], target axes; NaN where no truth is known."""
+    nees: Float[np.ndarray, "n"]
+    """Squared normalised error of the twelve states; NaN where no truth is known."""
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether errors are known."""
+        return bool(np.isfinite(self.errors).any())
+
+
+def read_solution(folder: Path) -> Solution:
+    """The solution in a folder of `proxnav navigate`; InputError names what is missing."""
+    table = read_table(folder / NAME)
+    shown, missing = [*_POSITION, *_ATTITUDE], np.full(len(table.status), np.nan)
+    covariance = [[table.column(f"cov_{min(i, j)}_{max(i, j)}") for j in range(3)] for i in range(3)]
+    return Solution(
+        t=table.column("t_s"),
+        status=table.status,
+        r_ric_m=table.block(*_POSITION),
+        q_cam_target=table.block(*quaternion_columns("q_cam_target")),
+        sigma=table.block(*(f"sigma_{name}" for name in shown)),
+        covariance_m2=np.moveaxis(np.array(covariance), -1, 0),
+        errors=np.stack([table.columns.get(f"error_{name}", missing) for name in shown], axis=1),
+        nees=table.columns.get("nees", missing),
+    )

@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.datasets.formats.speed_poses import PoseRecord
-from proxnav.evaluation.errors import COMBINED, PoseErrors
-from proxnav.evaluation.pairing import Frame, errors_of, pair
+from proxnav.evaluation.combined_errors import COMBINED
+from proxnav.evaluation.pairing import PairedFrame, errors_of, pair
+from proxnav.geometry.pose_errors import HALF_TURN_RAD, PoseErrors
 
 RANGE_EDGES_M = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 200.0, 400.0, np.inf)
 """Bins of the table by range."""
-_HALF_TURN_RAD = np.pi / 2.0  # an attitude this wrong took one side of the target for another
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,9 +52,8 @@ def summarise(estimates: Mapping[str, PoseRecord], truth: Mapping[str, PoseRecor
     return summarise_frames(pair(estimates, truth))
 
 
-def summarise_frames(frames: Sequence[Frame]) -> Summary:
+def summarise_frames(frames: Sequence[PairedFrame]) -> Summary:
     """As `summarise`, of frames that are paired already."""
-    frames = tuple(frames)
     errors = errors_of(frames)
     columns = _columns(errors)
     mean = {name: _mean(values) for name, values in columns.items()}
@@ -72,14 +71,16 @@ def summarise_frames(frames: Sequence[Frame]) -> Summary:
         median_e_t_norm_m=_percentile(norm, 50.0),
         p95_e_t_norm_m=_percentile(norm, 95.0),
         median_e_c=_percentile(columns["mean_e_c"], 50.0),
-        half_turns=sum(e.e_r_rad > _HALF_TURN_RAD for e in errors),
+        half_turns=sum(e.e_r_rad > HALF_TURN_RAD for e in errors),
         intervals={name: mean_interval(values) for name, values in columns.items()},
         combined={name: _mean(np.array([score(e) for e in errors])) for name, score in COMBINED.items()},
         statuses=dict(Counter("ok" if frame.errors is not None else frame.status for frame in frames)),
     )
 
 
-def by_range(frames: Sequence[Frame], edges_m: Sequence[float] = RANGE_EDGES_M) -> dict[tuple[float, float], Summary]:
+def by_range(
+    frames: Sequence[PairedFrame], edges_m: Sequence[float] = RANGE_EDGES_M
+) -> dict[tuple[float, float], Summary]:
     """One summary per range bin [edge, next edge) that holds frames."""
     found = {}
     for near, far in pairwise(edges_m):

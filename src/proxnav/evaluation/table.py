@@ -14,10 +14,10 @@ STUDY = {
     "mean_e_r_deg": 4.302,
     "mean_e_c": 0.1345,
 }
-"""Means over 100 synthetic images from 10 m to 100 m: Keypoint R-CNN, six keypoints, PnP with RANSAC. The study does
-not state the axes of E_T nor its definition of E_C."""
+"""Table 1 of the seed study: means over 100 synthetic images from 10 m to 100 m, Keypoint R-CNN, six keypoints, PnP
+with RANSAC. It states neither the axes of E_T nor its definition of E_C."""
 
-_ROWS = {
+HEADLINE = {
     "mean_e_t_x_m": ("mean E_T, x (right)", "m"),
     "mean_e_t_y_m": ("mean E_T, y (down)", "m"),
     "mean_e_t_z_m": ("mean E_T, z (forward)", "m"),
@@ -25,26 +25,24 @@ _ROWS = {
     "mean_e_tn": ("mean E_TN = norm / range", "-"),
     "mean_e_r_deg": ("mean E_R", "deg"),
     "mean_e_c": ("mean E_C = E_TN + E_R [rad]", "-"),
+    "median_e_t_norm_m": ("median E_T, norm", "m"),
+    "p95_e_t_norm_m": ("95th percentile E_T, norm", "m"),
+    "median_e_r_deg": ("median E_R", "deg"),
+    "p95_e_r_deg": ("95th percentile E_R", "deg"),
+    "median_e_c": ("median E_C", "-"),
 }
+"""Label and unit of each number of a run, in the order of the table."""
 
 
 def table1(summary: Summary) -> str:
     """Means beside the study's, with 95 % intervals; frames without a pose and half-turn confusions are named."""
-    means = dict(zip(list(_ROWS)[:3], summary.mean_e_t_m, strict=True))
+    means = dict(zip(list(HEADLINE)[:3], summary.mean_e_t_m, strict=True))
     rows = [("", "unit", "study", "ours", "95 % interval")]
-    for key, (label, unit) in _ROWS.items():
-        low, high = summary.intervals[key]
+    for key, (label, unit) in HEADLINE.items():
         value = means[key] if key in means else getattr(summary, key)
         study = f"{STUDY[key]:.4g}" if key in STUDY else "-"
-        rows.append((label, unit, study, f"{value:.4g}", f"{low:.4g} .. {high:.4g}"))
-    for label, unit, value in (
-        ("median E_T, norm", "m", summary.median_e_t_norm_m),
-        ("95th percentile E_T, norm", "m", summary.p95_e_t_norm_m),
-        ("median E_R", "deg", summary.median_e_r_deg),
-        ("95th percentile E_R", "deg", summary.p95_e_r_deg),
-        ("median E_C", "-", summary.median_e_c),
-    ):
-        rows.append((label, unit, "-", f"{value:.4g}", ""))
+        interval = "{:.4g} .. {:.4g}".format(*summary.intervals[key]) if key in summary.intervals else ""
+        rows.append((label, unit, study, f"{value:.4g}", interval))
     return f"{_aligned(rows)}\n\n{_coverage(summary)}\n\n{_definitions(summary)}"
 
 

@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.datasets.sensor_records.files import read_columns, write_table
+from proxnav.datasets.sensor_records.files import read_columns
 from proxnav.errors import InputError
 from proxnav.flight.truth import Truth
 from proxnav.geometry import quaternion
 from proxnav.geometry.arrays import frozen
+from proxnav.storage.tables import quaternion_columns, vector_columns, write_rows
 
 COLUMNS = (
-    "t_s", "r_ric_x_m", "r_ric_y_m", "r_ric_z_m", "v_ric_x_mps", "v_ric_y_mps", "v_ric_z_mps", "q_cam_target_w",
-    "q_cam_target_x", "q_cam_target_y", "q_cam_target_z", "rate_target_x_rad_s", "rate_target_y_rad_s",
-    "rate_target_z_rad_s",
+    "t_s", *vector_columns("r_ric", "m"), *vector_columns("v_ric", "mps"), *quaternion_columns("q_cam_target"),
+    *vector_columns("rate_target", "rad_s"),
 )  # fmt: skip
 
 
@@ -60,9 +60,8 @@ def true_states(truth: Truth, every: int = 1) -> TrueStates:
 
 def write_truth(path: Path, states: TrueStates) -> None:
     """As csv with `COLUMNS`."""
-    write_table(
-        path, COLUMNS, np.c_[states.t, states.r_ric_m, states.v_ric_mps, states.q_cam_target, states.rate_target]
-    )
+    rows = np.c_[states.t, states.r_ric_m, states.v_ric_mps, states.q_cam_target, states.rate_target]
+    write_rows(path, [COLUMNS, *rows.tolist()])
 
 
 def read_truth(path: Path) -> TrueStates:

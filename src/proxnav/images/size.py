@@ -1,9 +1,12 @@
-"""How large an image says it is, from its first bytes: a file of a hundred bytes may claim gigabytes of pixels."""
+"""Sizes of images: what the first bytes of a file claim (a hundred bytes may claim gigabytes), and the camera's."""
 
 import re
 import struct
 
+import numpy as np
+
 from proxnav.errors import InputError
+from proxnav.geometry import Camera
 
 LARGEST_SIDE_PX = 32_768
 MOST_PIXELS = 2**28
@@ -20,6 +23,16 @@ def check_claimed_size(content: bytes, where: str) -> None:
     if not (0 < width <= LARGEST_SIDE_PX and 0 < height <= LARGEST_SIDE_PX and width * height <= MOST_PIXELS):
         raise InputError(
             f"{where}: claims {width} x {height} px; read are at most {LARGEST_SIDE_PX} px a side, {MOST_PIXELS} in all"
+        )
+
+
+def check_size(image: np.ndarray, camera: Camera) -> None:
+    """InputError when the image is not of the camera's size."""
+    height, width = image.shape[:2]
+    if (width, height) != (camera.width, camera.height):
+        raise InputError(
+            f"the image is {width}x{height} px, the camera {camera.width}x{camera.height} px; "
+            "give the camera.json of these images or resize the camera with them"
         )
 
 

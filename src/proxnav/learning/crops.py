@@ -17,6 +17,7 @@ from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.images.crop import Crop, resample
+from proxnav.images.tones import as_8_bit
 from proxnav.presets import NAVIGATION_CAMERA, OBSERVATION
 from proxnav.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
@@ -170,7 +171,7 @@ def _draw(scene: SceneSpec, crop: Crop, side: int, target: Target, renderer: Ray
     keypoints = scene.camera.project(scene.T_cam_target @ target.keypoints_m)
     seen = np.where(visible_keypoints(target, scene.T_cam_target), 2, 1)
     return TrainingSample(
-        image=resample(np.where(inside, to_8_bit(image, scene.sensor.bits), np.uint8(0)), side),
+        image=resample(np.where(inside, as_8_bit(image, scene.sensor.bits), np.uint8(0)), side),
         keypoints_px=crop.to_network(keypoints, side),
         visibility=np.where(scene.camera.contains(keypoints), seen, NOT_IN_IMAGE),
         box_xyxy=mask_box(mask) * (side / pixels),
@@ -192,11 +193,6 @@ def binned(spec: SensorSpec, factor: int) -> SensorSpec:
         prnu=spec.prnu / factor,
         psf_sigma_px=spec.psf_sigma_px / factor,
     )
-
-
-def to_8_bit(image: np.ndarray, bits: int) -> np.ndarray:
-    """Counts of a converter of `bits` bits as uint8."""
-    return image if image.dtype == np.uint8 else (image >> max(0, bits - 8)).astype(np.uint8)
 
 
 def _inside_image(crop: Crop, camera: Camera, pixels: int) -> np.ndarray:

@@ -12,9 +12,9 @@ from proxnav.detection.keypoint_rcnn.detect import DetectConfig
 from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
 from proxnav.detection.keypoint_rcnn.predict import predict
 from proxnav.estimator import PoseEstimator, consensus_for
-from proxnav.evaluation.errors import pose_errors
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.pose_errors import pose_errors
 from proxnav.geometry.types import Points
 from proxnav.pipeline import draw_scenes
 

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from proxnav.geometry import Camera, Pose
+from proxnav.images.tones import rgb_8_bit
 from proxnav.records import Keypoints
 
 _TRUE, _FOUND, _AXES = (90, 220, 90), (255, 200, 40), ((235, 70, 70), (70, 210, 70), (80, 130, 255))
@@ -23,7 +24,7 @@ def overlay(
 
     The estimated axes (x red, y green, z blue) are solid; the true ones are thin and white.
     """
-    canvas = as_rgb(image)
+    canvas = rgb_8_bit(image)
     if T_true is not None:
         if points_target_m is not None:
             for pixel in camera.project(T_true @ points_target_m):
@@ -51,17 +52,10 @@ def caption(canvas: np.ndarray, lines: list[str]) -> np.ndarray:
 
 def contact_sheet(images: list[np.ndarray], columns: int = 4, side: int = 384) -> np.ndarray:
     """Images as one RGB sheet of square tiles."""
-    tiles = [cv2.resize(as_rgb(image), (side, side), interpolation=cv2.INTER_AREA) for image in images]
+    tiles = [cv2.resize(rgb_8_bit(image), (side, side), interpolation=cv2.INTER_AREA) for image in images]
     blank = np.zeros_like(tiles[0])
     tiles += [blank] * (-len(tiles) % columns)
     return np.vstack([np.hstack(tiles[i : i + columns]) for i in range(0, len(tiles), columns)])
-
-
-def as_rgb(image: np.ndarray) -> np.ndarray:
-    """The image as (h, w, 3) uint8 RGB; 16 bits are shifted so that the brightest pixel keeps its place."""
-    if image.dtype == np.uint16:
-        image = (image >> max(0, int(image.max()).bit_length() - 8)).astype(np.uint8)
-    return np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image.copy()
 
 
 def _fixed(pixel: np.ndarray) -> tuple[int, int] | None:

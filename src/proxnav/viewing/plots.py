@@ -18,10 +18,10 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
+from proxnav.geometry.pose_errors import HALF_TURN_RAD
 from proxnav.geometry.relative_motion import ric_from_eci
 from proxnav.records import Trajectory
 from proxnav.viewing.charts import running_median
-from proxnav.viewing.run_folder import HALF_TURN_RAD
 
 _POINTS, _LINE, _WRONG = "#0b5cad", "#b45309", "#b3261e"
 

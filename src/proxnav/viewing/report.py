@@ -12,39 +12,18 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from proxnav.datasets.set.dataset import read_image
+from proxnav.evaluation.pairing import PairedFrame, from_best_to_worst
+from proxnav.evaluation.run_folder import Picture, Run, read_run
+from proxnav.evaluation.table import HEADLINE, STUDY
+from proxnav.geometry.pose_errors import HALF_TURN_RAD
+from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.viewing.numbers import number
 from proxnav.viewing.report_charts import calibration, phase_charts, range_charts
 from proxnav.viewing.report_filter import filter_section
-from proxnav.viewing.run_folder import HALF_TURN_RAD, FrameRow, Picture, Run, from_best_to_worst, read_run
 
-STUDY = {
-    "mean_e_t_x_m": 0.2978,
-    "mean_e_t_y_m": 0.2131,
-    "mean_e_t_z_m": 0.3376,
-    "mean_e_r_deg": 4.302,
-    "mean_e_c": 0.1345,
-}
-"""Means of the seed study: 100 synthetic images, 10 m to 100 m, Keypoint R-CNN, six keypoints, PnP with RANSAC."""
-
-_ROWS = (
-    ("mean_e_t_x_m", "mean E_T, x (right)", "m"),
-    ("mean_e_t_y_m", "mean E_T, y (down)", "m"),
-    ("mean_e_t_z_m", "mean E_T, z (forward)", "m"),
-    ("mean_e_t_norm_m", "mean E_T, norm", "m"),
-    ("mean_e_tn", "mean E_TN = norm / range", "-"),
-    ("mean_e_r_deg", "mean E_R", "deg"),
-    ("mean_e_c", "mean E_C = E_TN + E_R [rad]", "-"),
-    ("median_e_t_norm_m", "median E_T, norm", "m"),
-    ("p95_e_t_norm_m", "95th percentile E_T, norm", "m"),
-    ("median_e_r_deg", "median E_R", "deg"),
-    ("p95_e_r_deg", "95th percentile E_R", "deg"),
-    ("median_e_c", "median E_C", "-"),
-)
 _PICTURES = 150
 _PICTURE_BYTES = 8_000_000  # of all pictures together; base64 adds a third
 _SIZES = ((1024, 85), (1024, 70), (768, 70), (512, 70), (384, 60), (256, 50))  # longer side [px], JPEG quality
@@ -72,7 +51,7 @@ def report_html(folder: Path, title: str) -> str:
         phase_charts=[Markup(chart) for chart in phase_charts(run)],
         has_bound=bool(run.notes),
         calibration=calibration(run),
-        filter=filter_section(run.flight),
+        filter=filter_section(run.solution),
         frames=[_frame_cells(frame, run) for frame in run.frames],
         statuses=sorted({frame.status for frame in run.frames}),
         gallery=list(_gallery(run)),
@@ -86,9 +65,9 @@ def headline(metrics: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     axes = metrics.get("mean_e_t_m")
     values = dict(metrics)
     if isinstance(axes, list) and len(axes) == 3:
-        values |= dict(zip(("mean_e_t_x_m", "mean_e_t_y_m", "mean_e_t_z_m"), axes, strict=True))
+        values |= dict(zip(list(HEADLINE)[:3], axes, strict=True))
     intervals = metrics.get("intervals")
-    for key, label, unit in _ROWS:
+    for key, (label, unit) in HEADLINE.items():
         low, high = _pair(intervals.get(key) if isinstance(intervals, dict) else None)
         yield {
             "label": label,
@@ -99,7 +78,7 @@ def headline(metrics: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         }
 
 
-def coverage(frames: tuple[FrameRow, ...]) -> dict[str, str]:
+def coverage(frames: tuple[PairedFrame, ...]) -> dict[str, str]:
     """How many frames have a pose, why the others have none, how many poses are turned by more than 90 deg."""
     without = [frame.status for frame in frames if frame.errors is None]
     turned = sum(frame.errors.e_r_rad > HALF_TURN_RAD for frame in frames if frame.errors is not None)
@@ -121,17 +100,17 @@ def flattened(config: Any, path: str = "") -> Iterator[tuple[str, str]]:
         yield path, ", ".join(map(str, config)) if isinstance(config, list) else str(config)
 
 
-def _frame_cells(frame: FrameRow, run: Run) -> dict[str, Any]:
+def _frame_cells(frame: PairedFrame, run: Run) -> dict[str, Any]:
     """Texts and sort keys of one row of the table of frames."""
     e, note = frame.errors, run.notes.get(frame.filename)
     numbers = [frame.range_m, None if note is None else math.degrees(note.phase_rad), *([None] * 7)]
     if e is not None:
-        numbers[2:] = [*e.e_t_m, e.e_t_norm_m, math.degrees(e.e_r_rad), e.e_c, e.nees]
+        numbers[2:] = [*e.e_t_m, e.e_t_norm_m, math.degrees(e.e_r_rad), e.e_c, frame.nees]
     return {"name": frame.filename, "status": frame.status, "numbers": [number(value) for value in numbers]}
 
 
 def _gallery(run: Run) -> Iterator[dict[str, str]]:
-    order = from_best_to_worst(run.frames)
+    order = [run.frames[k] for k in from_best_to_worst(run.frames)]
     budget = _PICTURE_BYTES // max(1, min(_PICTURES, len(run.pictures)))
     for picture in run.pictures[:_PICTURES]:
         yield {
@@ -141,7 +120,7 @@ def _gallery(run: Run) -> Iterator[dict[str, str]]:
         }
 
 
-def _picture_text(picture: Picture, order: list[FrameRow]) -> str:
+def _picture_text(picture: Picture, order: list[PairedFrame]) -> str:
     """What the picture shows. Frames without a pose share the last places in any order: they are not named."""
     frame = order[picture.place] if picture.place < len(order) else None
     if frame is None or frame.errors is None:
@@ -154,12 +133,11 @@ def _picture_text(picture: Picture, order: list[FrameRow]) -> str:
 def _jpeg(path: Path, budget: int) -> bytes:
     """The picture as JPEG of at most `budget` bytes, or as small as we make it."""
     image = read_image(path)
-    pixels = np.ascontiguousarray(image[..., ::-1] if image.ndim == 3 else image)
     encoded = b""
     for side, quality in _SIZES:
-        scale = min(1.0, side / max(pixels.shape[:2]))
-        small = pixels if scale == 1.0 else cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-        encoded = cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
+        scale = min(1.0, side / max(image.shape[:2]))
+        small = image if scale == 1.0 else cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+        encoded = encode_jpeg(small, quality)
         if len(encoded) <= budget:
             break
     return encoded

@@ -8,9 +8,11 @@ import numpy as np
 from markupsafe import Markup
 from scipy.stats import chi2, norm
 
+from proxnav.evaluation.pairing import PairedFrame
+from proxnav.evaluation.run_folder import Run
+from proxnav.geometry.pose_errors import HALF_TURN_RAD
 from proxnav.viewing.charts import Line, Mark, histogram, linear_axis, log_axis, running_median, scatter
 from proxnav.viewing.numbers import number
-from proxnav.viewing.run_folder import HALF_TURN_RAD, FrameRow, Run
 
 _AXES = ("x right [m]", "y down [m]", "z forward [m]", "about x [rad]", "about y [rad]", "about z [rad]")
 _DEG = 180.0 / math.pi
@@ -73,11 +75,11 @@ def _columns(pairs: list[tuple[float, float]]) -> tuple[list[float], list[float]
     return [a for a, _ in pairs], [b for _, b in pairs]
 
 
-def _value(frame: FrameRow, kind: str) -> float:
+def _value(frame: PairedFrame, kind: str) -> float:
     return math.nan if frame.errors is None else float(getattr(frame.errors, kind))
 
 
-def _bound(frame: FrameRow, run: Run, kind: str) -> float:
+def _bound(frame: PairedFrame, run: Run, kind: str) -> float:
     note = run.notes.get(frame.filename)
     if note is None:
         return math.nan
@@ -86,16 +88,16 @@ def _bound(frame: FrameRow, run: Run, kind: str) -> float:
 
 def calibration(run: Run) -> dict[str, Any] | None:
     """Chart of normalised squared errors and the shares inside k sigma per axis; None without covariances."""
-    errors = [frame.errors for frame in run.frames if frame.errors is not None and frame.errors.nees is not None]
-    if not errors:
+    frames = [frame for frame in run.frames if frame.T_est is not None and frame.covariance is not None]
+    if not frames:
         return None
-    normalised = np.abs(np.array([error.normalised for error in errors]))
-    nees = np.array([error.nees for error in errors], dtype=np.float64)
+    normalised = np.abs(np.array([frame.normalised for frame in frames]))
+    nees = np.array([frame.nees for frame in frames])
     inside = [
         (axis, [f"{100.0 * np.mean(normalised[:, k] <= n):.1f} %" for n in (1, 2, 3)]) for k, axis in enumerate(_AXES)
     ]
     return {
-        "poses": len(errors),
+        "poses": len(frames),
         "mean": number(float(nees.mean())),
         "median": number(float(np.median(nees))),
         "honest_median": number(float(chi2.median(6))),

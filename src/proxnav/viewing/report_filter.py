@@ -1,4 +1,4 @@
-"""The filter's part of the report: errors inside their claimed 3 sigma along the flight."""
+"""The filter's part of the report: errors inside their claimed 3 sigma along the solution."""
 
 import math
 from typing import Any
@@ -7,27 +7,27 @@ import numpy as np
 from markupsafe import Markup
 from scipy.stats import norm
 
+from proxnav.evaluation.solution_files import Solution
 from proxnav.viewing.charts import Axis, Line, band_chart, linear_axis
-from proxnav.viewing.flight_folder import Flight
 from proxnav.viewing.numbers import number
 
 _NAMES = ("radial", "in-track", "cross-track", "about target x", "about target y", "about target z")
 _POINTS = 500  # of a line; more than a chart has pixels for
 
 
-def filter_section(flight: Flight | None) -> dict[str, Any] | None:
+def filter_section(solution: Solution | None) -> dict[str, Any] | None:
     """Charts and table of a navigation solution; None where the run has none or nothing to compare it with."""
-    if flight is None or not flight.has_truth:
+    if solution is None or not solution.has_truth:
         return None
     scale = np.array([1.0] * 3 + [180.0 / math.pi] * 3)
-    errors, sigmas = flight.errors * scale, flight.sigma * scale
+    errors, sigmas = solution.errors * scale, solution.sigma * scale
     return {
-        "charts": [Markup(_chart(flight.t, errors[:, k], sigmas[:, k], k)) for k in range(6)],
+        "charts": [Markup(_chart(solution.t, errors[:, k], sigmas[:, k], k)) for k in range(6)],
         "rows": [_row(errors[:, k], sigmas[:, k], k) for k in range(6)],
         "honest": f"{100.0 * (2.0 * norm.cdf(3.0) - 1.0):.1f} %",
-        "mean_nees": number(float(np.nanmean(flight.nees))) if np.isfinite(flight.nees).any() else "–",
-        "instants": len(flight.t),
-        "statuses": ", ".join(f"{flight.status.count(name)} {name}" for name in sorted(set(flight.status))),
+        "mean_nees": number(float(np.nanmean(solution.nees))) if np.isfinite(solution.nees).any() else "–",
+        "instants": len(solution.t),
+        "statuses": ", ".join(f"{solution.status.count(name)} {name}" for name in sorted(set(solution.status))),
     }
 
 

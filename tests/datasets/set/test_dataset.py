@@ -8,11 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from boxcraft import boxcraft
-from proxnav.datasets.set.dataset import Dataset, encode_png, read_image
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.datasets.set.labelling import label_frame, mask_box
 from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.images.codecs import encode_png, read_image
 from proxnav.records import HIDDEN, NOT_IN_IMAGE, VISIBLE, EarthSpec, SceneSpec, SunSpec
 
 CAMERA = Camera(64, 48, 60.0, 61.0, 32.0, 24.0, (-0.1, 0.02, 0.0, 0.001, 0.0))

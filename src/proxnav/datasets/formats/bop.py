@@ -116,7 +116,7 @@ def _size(scene: Path, key: int) -> tuple[int, int]:
     image = _image(scene, key)
     if image is None:
         raise InputError(f"{scene}: neither a camera.json with width and height nor images; give --camera")
-    from proxnav.datasets.set.dataset import read_image
+    from proxnav.images.codecs import read_image
 
     height, width = read_image(image).shape[:2]
     return width, height

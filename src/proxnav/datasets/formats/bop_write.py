@@ -15,10 +15,10 @@ from proxnav.datasets.formats.bop import MM, image_number, to_json_lines
 from proxnav.datasets.formats.labels import LabelRecord, Labels, box_of, need_camera
 from proxnav.datasets.formats.options import WriteOptions
 from proxnav.datasets.formats.places import place
-from proxnav.datasets.set.dataset import read_image
 from proxnav.datasets.set.labelling import mask_box
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.images.codecs import read_image
 from proxnav.storage.files import write_atomic, write_json
 
 OBJECT_ID = 1

@@ -15,9 +15,10 @@ from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, flat_names, mask_beside, place, write_camera
 from proxnav.datasets.set import coco
-from proxnav.datasets.set.dataset import Dataset, read_image
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
 from proxnav.geometry import Pose
+from proxnav.images.codecs import read_image
 from proxnav.records import FrameLabel
 from proxnav.storage.files import read_json, write_json
 from proxnav.storage.numbers import finite_numbers

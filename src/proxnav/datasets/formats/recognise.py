@@ -8,10 +8,11 @@ from proxnav.datasets.formats.bop import scene_folders
 from proxnav.datasets.formats.bop_results import COLUMNS as BOP_COLUMNS
 from proxnav.datasets.formats.names import is_name
 from proxnav.datasets.formats.speed_trees import is_pose_list, pose_files
-from proxnav.datasets.formats.tables import numbers, read_rows, without_header
+from proxnav.datasets.formats.tables import numbers, without_header
 from proxnav.datasets.formats.urso import POSES
 from proxnav.errors import InputError
 from proxnav.storage.files import read_json
+from proxnav.storage.tables import read_rows
 
 _NORMALISED = 3.0  # pixels of a keypoint are larger, parts of an image are not
 _FOLDERS = "annotations.json (proxnav), SPEED+ pose lists, scene_gt.json (BOP) or *_poses_gt.csv (URSO)"

@@ -22,9 +22,10 @@ from proxnav.datasets.formats.places import (
     training_splits,
     write_camera,
 )
-from proxnav.datasets.formats.tables import check_width, numbers, read_rows, without_header, write_rows
+from proxnav.datasets.formats.tables import check_width, numbers, without_header
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.storage.tables import read_rows, write_rows
 
 POSES = "_poses_gt.csv"
 COLUMNS = ("x", "y", "z", "q1", "q2", "q3", "q4")

@@ -4,7 +4,6 @@ Single rows that cannot be are left out and counted; a file that is implausible 
 """
 
 import csv
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,9 +22,9 @@ from proxnav.records import (
     SensorRecords,
     StarTrackerData,
 )
-from proxnav.storage.files import refused_csv, write_atomic, write_json
+from proxnav.storage.files import read_json, refused_csv, write_json
+from proxnav.storage.tables import quaternion_columns, vector_columns, write_rows
 
-_XYZ = ("x", "y", "z")
 _UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
 _POSE_COVARIANCE = tuple(f"c{i}{j}" for i, j in _UPPER)
 
@@ -39,29 +38,23 @@ class _Table:
     """By prefix of the column names."""
 
 
-def _vector(stem: str, unit: str) -> tuple[str, ...]:
-    return tuple(f"{stem}_{axis}_{unit}" for axis in _XYZ)
-
-
-_Q_CAM = ("q_eci_cam_w", "q_eci_cam_x", "q_eci_cam_y", "q_eci_cam_z")
-_Q_TARGET = ("q_cam_target_w", "q_cam_target_x", "q_cam_target_y", "q_cam_target_z")
-
 TABLES = {
     "ephemeris": _Table(
-        ("t_s", *_vector("r_eci", "m"), *_vector("v_eci", "mps")),
+        ("t_s", *vector_columns("r_eci", "m"), *vector_columns("v_eci", "mps")),
         {"r_eci": Range(6.4e6, 5e7, "m"), "v_eci": Range(1e3, 1.2e4, "m/s")},
     ),
-    "gyro": _Table(("t_s", *_vector("rate", "rad_s")), {"rate": Range(1e-6, 0.3, "rad/s")}),
+    "gyro": _Table(("t_s", *vector_columns("rate", "rad_s")), {"rate": Range(1e-6, 0.3, "rad/s")}),
     "accelerometer": _Table(
-        ("t_s", *_vector("force", "mps2"), "thrust"), {"force": Range(0.0, 0.3, "m/s^2", row=50.0)}
+        ("t_s", *vector_columns("force", "mps2"), "thrust"), {"force": Range(0.0, 0.3, "m/s^2", row=50.0)}
     ),
     "gnss": _Table(
-        ("t_s", "received_s", *_vector("r_eci", "m"), *_vector("v_eci", "mps"), "sigma_r_m", "sigma_v_mps"),
+        ("t_s", "received_s", *vector_columns("r_eci", "m"), *vector_columns("v_eci", "mps"), "sigma_r_m",
+         "sigma_v_mps"),
         {"r_eci": Range(1.0, 2e4, "m"), "v_eci": Range(1e-5, 50.0, "m/s"), "sigma_r": Range(1e-4, 100.0, "m"),
          "sigma_v": Range(1e-6, 10.0, "m/s")},
     ),
     "star_tracker": _Table(
-        ("t_s", "received_s", *_Q_CAM, *_vector("sigma", "rad")),
+        ("t_s", "received_s", *quaternion_columns("q_eci_cam"), *vector_columns("sigma", "rad")),
         {"q_eci": Range(0.99, 1.01, "(norm)"), "sigma": Range(1e-7, 0.05, "rad")},
     ),
     "keypoints": _Table(
@@ -70,7 +63,8 @@ TABLES = {
          "v_px": Range(0.0, 1e5, "px")},
     ),
     "poses": _Table(
-        ("t_s", "received_s", *_Q_TARGET, *_vector("t_cam_target", "m"), *_POSE_COVARIANCE),
+        ("t_s", "received_s", *quaternion_columns("q_cam_target"), *vector_columns("t_cam_target", "m"),
+         *_POSE_COVARIANCE),
         {"q_cam": Range(0.99, 1.01, "(norm)"), "t_cam": Range(0.5, 2e4, "m")},
     ),
 }  # fmt: skip
@@ -89,13 +83,7 @@ def write_records(folder: Path, records: SensorRecords) -> None:
     """One csv per sensor and `records.json` with the epoch."""
     write_json(folder / "records.json", {"version": 1, "epoch_utc": records.epoch_utc}, indent=1)
     for name, rows in _rows(records).items():
-        write_table(folder / f"{name}.csv", TABLES[name].columns, rows)
-
-
-def write_table(path: Path, columns: Sequence[str], rows: np.ndarray) -> None:
-    """Csv with a header; numbers so that they read back the same."""
-    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows.tolist())]
-    write_atomic(path, ("\n".join(lines) + "\n").encode())
+        write_rows(folder / f"{name}.csv", [TABLES[name].columns, *rows.tolist()])
 
 
 def read_records(folder: Path) -> ReadRecords:
@@ -186,13 +174,10 @@ def _full(upper: np.ndarray) -> np.ndarray:
 
 
 def _read_epoch(path: Path) -> str:
-    try:
-        epoch = json.loads(path.read_text(encoding="utf-8"))["epoch_utc"]
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; a records folder holds records.json with epoch_utc") from None
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(f"{path}: expected a JSON object with the key epoch_utc") from None
-    return str(epoch)
+    content = read_json(path, "the JSON object of a records folder with the key epoch_utc")
+    if not isinstance(content, dict) or "epoch_utc" not in content:
+        raise InputError(f"{path}: expected a JSON object with the key epoch_utc")
+    return str(content["epoch_utc"])
 
 
 def read_columns(path: Path, columns: Sequence[str]) -> np.ndarray:

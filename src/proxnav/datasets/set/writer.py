@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from proxnav.datasets.set import coco
-from proxnav.datasets.set.dataset import encode_png
 from proxnav.errors import InputError
 from proxnav.geometry.camera_files import speed_json
+from proxnav.images.codecs import encode_png
 from proxnav.records import FrameLabel, SceneSpec
 from proxnav.storage.files import cannot_write, json_bytes, read_json, write_atomic, write_json
 from proxnav.storage.lock import LOCK

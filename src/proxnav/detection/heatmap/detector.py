@@ -8,7 +8,7 @@ from proxnav.detection.heatmap.patch import brightest_patches
 from proxnav.detection.sessions import Session
 from proxnav.geometry.types import Box
 from proxnav.images.crop import Crop, cut
-from proxnav.images.grey import grey_8_bit, is_blank
+from proxnav.images.tones import grey_8_bit, is_blank
 from proxnav.records import Keypoints
 
 _CELL = 4

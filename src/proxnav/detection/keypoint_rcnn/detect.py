@@ -11,7 +11,7 @@ from proxnav.detection.keypoint_rcnn.masks import paste
 from proxnav.detection.keypoint_rcnn.views import whole
 from proxnav.errors import InputError
 from proxnav.images.crop import Crop, cut
-from proxnav.images.grey import grey_8_bit
+from proxnav.images.tones import grey_8_bit
 from proxnav.records import Keypoints
 
 ZOOM_MARGIN = 1.4

@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from proxnav.detection.samples import TrainingSample
 from proxnav.images.crop import Crop, cut
-from proxnav.images.grey import grey_8_bit
+from proxnav.images.tones import grey_8_bit
 
 
 def whole(image: np.ndarray) -> Crop:

@@ -1,6 +1,5 @@
 """Keypoints from a file: MATLAB, JSON or csv."""
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.errors import InputError
+from proxnav.storage.tables import is_number, read_rows
 from proxnav.targets.cad.mat_file import read_matrices
 
 MAX_BYTES = 16 * 2**20
@@ -80,12 +80,8 @@ def _from_json(path: Path) -> tuple[np.ndarray, list[str] | None]:
 
 
 def _from_csv(path: Path) -> tuple[np.ndarray, list[str] | None]:
-    with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
-        try:
-            rows = [[cell.strip() for cell in row] for row in csv.reader(file) if any(cell.strip() for cell in row)]
-        except csv.Error as error:
-            raise InputError(f"{path}: not a csv file ({error})") from None
-    if rows and not _is_number(rows[0][-1]):
+    rows = read_rows(path, MAX_BYTES)
+    if not is_number(rows[0][-1]):
         rows = rows[1:]
     width = {len(row) for row in rows}
     if width not in ({3}, {4}):
@@ -100,11 +96,3 @@ def _array(path: Path, content: Any) -> np.ndarray:
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{path}: expected triples of numbers [m]") from None
     return points.T if points.ndim == 2 and points.shape[0] == 3 != points.shape[1] else points
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from proxnav.errors import InputError
 from proxnav.storage.files import refused_csv
+from proxnav.storage.tables import is_number
 from proxnav.trajectories.readers.text import fail, read_lines
 
 _DASHES = re.compile(r"\s*-{3,}(\s+-{3,})*\s*")
@@ -78,11 +79,7 @@ def _is_header(cells: list[str]) -> bool:
 
 
 def _is_word(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return bool(re.search("[A-Za-z]", cell))
-    return False  # numbers, nan and inf included
+    return not is_number(cell) and bool(re.search("[A-Za-z]", cell))  # nan and inf are numbers
 
 
 def _delimiter(lines: list[str]) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.epochs import Instant, parse_iso
+from proxnav.storage.tables import is_number
 from proxnav.trajectories.readers.columns import Column, understand
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.dates import from_julian_date, parse_date, parse_duration
@@ -141,7 +142,7 @@ def _times(table: Table, columns: list[Column], config: ReaderConfig) -> tuple[I
         return _dated([from_julian_date(value) for value in _cells(table, column)])
     if parse_duration(first) is not None:
         return parse_iso(config.epoch_utc), _durations(table, column)
-    if column.unit in _DATE_FORMATS or not _is_number(first):
+    if column.unit in _DATE_FORMATS or not is_number(first):
         return _dated([_date(table, line, cells[column.index]) for line, cells in table.rows])
     if column.unit and column.factor is None:
         fail(table.path, line, f"unknown time unit '{column.unit}' of column {column.header}; use s or a date")
@@ -166,11 +167,3 @@ def _date(table: Table, line: int, text: str) -> Instant:
         return parse_date(text)
     except InputError as error:
         fail(table.path, line, str(error))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

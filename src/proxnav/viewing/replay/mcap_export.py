@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.datasets.set.dataset import read_image
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.epochs import parse_iso
+from proxnav.images.codecs import encode_jpeg, read_image
+from proxnav.images.tones import as_8_bit
 from proxnav.viewing.replay.replay import Replay, Step
-from proxnav.viewing.replay.rerun_recording import ellipses, jpeg
+from proxnav.viewing.replay.rerun_recording import JPEG_QUALITY, ellipses
 from proxnav.viewing.replay.ros2_messages import LAYOUTS, LINE_LOOP
 
 _FOUND, _TRUE = (1.0, 0.78, 0.16, 1.0), (0.35, 0.86, 0.35, 1.0)
@@ -64,7 +65,7 @@ def messages(replay: Replay, step: Step, stamp_ns: int) -> dict[str, dict[str, A
     header = {"stamp": _time(stamp_ns), "frame_id": "camera"}
     said: dict[str, dict[str, Any]] = {"/camera/camera_info": {"header": header} | camera_info(replay.camera)}
     if step.image is not None and step.image.is_file():
-        data = jpeg(read_image(step.image))
+        data = encode_jpeg(as_8_bit(read_image(step.image)), JPEG_QUALITY)
         said["/camera/image/compressed"] = {"header": header, "format": "jpeg", "data": data}
     said["/camera/annotations"] = _annotations(replay, step, header["stamp"])
     if step.estimate is not None:

@@ -7,15 +7,18 @@ import numpy as np
 
 from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses
 from proxnav.errors import InputError
+from proxnav.evaluation.run_folder import CONFIG, POSES, SOLUTION, TRUTH
 from proxnav.evaluation.run_frames import FrameNote, RunFrames, read_run_frames
-from proxnav.geometry import Camera, Pose, quaternion, so3
+from proxnav.evaluation.solution_files import Solution, read_solution
+from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import R_eci_ric
+from proxnav.geometry.perturbation import difference
 from proxnav.storage.files import inside, read_json
+from proxnav.storage.tables import NumberTable, quaternion_columns, read_table, vector_columns
 from proxnav.targets import Target
 from proxnav.targets.loading import load_target
-from proxnav.viewing.flight_folder import SOLUTION, Flight, Table, read_flight, read_table
-from proxnav.viewing.replay.replay import Replay, Step, View, position_covariance
+from proxnav.viewing.replay.replay import Placement, Replay, Step, position_covariance
 
 CAMERA_AXES = ("right", "down", "forward", "about right", "about down", "about forward")
 FLIGHT_AXES = ("radial", "in-track", "cross-track", "about target x", "about target y", "about target z")
@@ -37,7 +40,7 @@ def read_replay(folder: Path, target: str | None = None, every: int = 1) -> Repl
 
 
 def _of_images(folder: Path, run: RunFrames, target: str | None) -> Replay:
-    estimates, truth = read_poses(folder / "poses.json"), read_poses(folder / "truth.json")
+    estimates, truth = read_poses(folder / POSES), read_poses(folder / TRUTH)
     images = None if run.dataset is None else run.dataset / "images"
     steps = [_image_step(note, estimates.get(note.filename), truth.get(note.filename), images) for note in run.frames]
     mesh = _mesh(target or run.target)
@@ -57,7 +60,7 @@ def _image_step(note: FrameNote, estimate: PoseRecord | None, truth: PoseRecord 
         estimate=_about_target(T_est),
         covariance_m2=None if covariance is None or T_est is None else position_covariance(T_est, covariance),
         pose_covariance=covariance,
-        errors=None if T_est is None or T_true is None else _difference(T_est, T_true),
+        errors=None if T_est is None or T_true is None else difference(T_est, T_true),
         sigmas=None if covariance is None else np.sqrt(np.maximum(np.diagonal(covariance), 0.0)),
         pixels=note.pixels,
         covariances_px2=note.covariances_px2,
@@ -65,67 +68,67 @@ def _image_step(note: FrameNote, estimate: PoseRecord | None, truth: PoseRecord 
     )
 
 
-def _about_target(T_cam_target: Pose | None) -> View | None:
+def _about_target(T_cam_target: Pose | None) -> Placement | None:
     if T_cam_target is None:
         return None
     T = T_cam_target.inverse()
-    return View(Pose("world", "cam", T.q_wxyz, T.t_m), Pose.identity("world", "target"))
-
-
-def _difference(T_est: Pose, T_true: Pose) -> np.ndarray:
-    return np.concatenate([T_true.t_m - T_est.t_m, so3.log(T_true.R @ T_est.R.T)])
+    return Placement(Pose("world", "cam", T.q_wxyz, T.t_m), Pose.identity("world", "target"))
 
 
 def _of_flight(folder: Path, target: str | None) -> Replay:
-    flight = read_flight(folder)
+    solution = read_solution(folder)
     mesh = _mesh(target or _target_of(folder))
     points = np.zeros((0, 3)) if mesh is None else mesh.keypoints_m
-    q_ric_cam = _camera_attitude(folder, flight.t)
-    truth = _true_views(folder, flight.t, q_ric_cam)
-    seen = _keypoints(folder, flight.t, len(points))
-    steps = [_flight_step(flight, k, q_ric_cam[k], truth[k], seen[k]) for k in range(len(flight.t))]
+    q_ric_cam = _camera_attitude(folder, solution.t)
+    truth = _true_views(folder, solution.t, q_ric_cam)
+    seen = _keypoints(folder, solution.t, len(points))
+    steps = [_flight_step(solution, k, q_ric_cam[k], truth[k], seen[k]) for k in range(len(solution.t))]
     epoch = str(read_json(folder / "records.json", "the epoch of the records").get("epoch_utc", ""))
     camera = Camera.from_speed_json(str(folder / "camera.json"))
     return Replay(folder.resolve().name, "ric", camera, points, tuple(steps), FLIGHT_AXES, epoch, mesh)
 
 
 def _flight_step(
-    flight: Flight, k: int, q_ric_cam: np.ndarray, truth: View | None, seen: tuple[np.ndarray, np.ndarray] | None
+    solution: Solution,
+    k: int,
+    q_ric_cam: np.ndarray,
+    truth: Placement | None,
+    seen: tuple[np.ndarray, np.ndarray] | None,
 ) -> Step:
-    errors = flight.errors[k]
+    errors = solution.errors[k]
     return Step(
-        t=float(flight.t[k]),
-        label=f"t = {flight.t[k]:.1f} s",
-        status=flight.status[k],
+        t=float(solution.t[k]),
+        label=f"t = {solution.t[k]:.1f} s",
+        status=solution.status[k],
         truth=truth,
-        estimate=_about_ric(q_ric_cam, flight.r_ric_m[k], flight.q_cam_target[k]),
-        covariance_m2=flight.covariance_m2[k],
+        estimate=_about_ric(q_ric_cam, solution.r_ric_m[k], solution.q_cam_target[k]),
+        covariance_m2=solution.covariance_m2[k],
         errors=errors if np.isfinite(errors).all() else None,
-        sigmas=flight.sigma[k],
+        sigmas=solution.sigma[k],
         pixels=None if seen is None else seen[0],
         covariances_px2=None if seen is None else seen[1],
     )
 
 
-def _about_ric(q_ric_cam: np.ndarray, r_ric_m: np.ndarray, q_cam_target: np.ndarray) -> View:
+def _about_ric(q_ric_cam: np.ndarray, r_ric_m: np.ndarray, q_cam_target: np.ndarray) -> Placement:
     q_ric_target = quaternion.multiply(q_ric_cam, q_cam_target)
-    return View(Pose("world", "cam", q_ric_cam, r_ric_m), Pose("world", "target", q_ric_target, np.zeros(3)))
+    return Placement(Pose("world", "cam", q_ric_cam, r_ric_m), Pose("world", "target", q_ric_target, np.zeros(3)))
 
 
 def _camera_attitude(folder: Path, t: np.ndarray) -> np.ndarray:
     """(n, 4) q_ric_cam: the star tracker's reading nearest to each instant, in the axes of the target's orbit."""
     orbit, stars = read_table(folder / "ephemeris.csv"), read_table(folder / "star_tracker.csv")
     R_ric_eci = np.swapaxes(R_eci_ric(_at(t, orbit, "r_eci", "m"), _at(t, orbit, "v_eci", "mps")), -1, -2)
-    q_eci_cam = stars.block(*(f"q_eci_cam_{c}" for c in "wxyz"))[_nearest(stars.column("t_s"), t)]
+    q_eci_cam = stars.block(*quaternion_columns("q_eci_cam"))[_nearest(stars.column("t_s"), t)]
     return quaternion.multiply(quaternion.from_matrix(R_ric_eci), unit(q_eci_cam))
 
 
-def _true_views(folder: Path, t: np.ndarray, q_ric_cam: np.ndarray) -> list[View | None]:
+def _true_views(folder: Path, t: np.ndarray, q_ric_cam: np.ndarray) -> list[Placement | None]:
     """The truth's row nearest to each instant; none without truth.csv."""
     if not (folder / "truth.csv").is_file():
         return [None] * len(t)
     true = read_table(folder / "truth.csv")
-    q = true.block(*(f"q_cam_target_{c}" for c in "wxyz"))[_nearest(true.column("t_s"), t)]
+    q = true.block(*quaternion_columns("q_cam_target"))[_nearest(true.column("t_s"), t)]
     return [_about_ric(*row) for row in zip(q_ric_cam, _at(t, true, "r_ric", "m"), unit(q), strict=True)]
 
 
@@ -145,9 +148,9 @@ def _keypoints(folder: Path, t: np.ndarray, n: int) -> list[tuple[np.ndarray, np
     return [(pixels[k], cov[k]) if abs(times[k] - at) < 0.6 else None for k, at in zip(near, t, strict=True)]
 
 
-def _at(t: np.ndarray, table: Table, stem: str, unit_name: str) -> np.ndarray:
+def _at(t: np.ndarray, table: NumberTable, stem: str, unit_name: str) -> np.ndarray:
     """Three columns interpolated at `t`."""
-    rows = table.block("t_s", *(f"{stem}_{axis}_{unit_name}" for axis in "xyz"))
+    rows = table.block("t_s", *vector_columns(stem, unit_name))
     return np.stack([np.interp(t, rows[:, 0], rows[:, 1 + k]) for k in range(3)], axis=1)
 
 
@@ -163,7 +166,7 @@ def _nearest(times: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 def _target_of(folder: Path) -> str:
     """The target that the records' configuration names; Space Rider where nothing says so."""
-    path = folder / "config.json"
+    path = folder / CONFIG
     content = read_json(path, "the configuration of a run") if path.is_file() else {}
     options = content.get("options") if isinstance(content, dict) else None
     return str(options.get("target", "space-rider")) if isinstance(options, dict) else "space-rider"

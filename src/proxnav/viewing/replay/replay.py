@@ -14,7 +14,7 @@ World = Literal["target", "ric"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class Placement:
     """Where camera and target are in the world."""
 
     T_world_cam: Pose
@@ -35,8 +35,8 @@ class Step:
     label: str
     """File name of the image, or the time."""
     status: str
-    truth: View | None = None
-    estimate: View | None = None
+    truth: Placement | None = None
+    estimate: Placement | None = None
     covariance_m2: np.ndarray | None = None
     """(3, 3) of the camera's estimated position, world axes."""
     pose_covariance: np.ndarray | None = None

@@ -10,18 +10,17 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
-from proxnav.datasets.set.dataset import read_image
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
-from proxnav.viewing.overlay import as_rgb
-from proxnav.viewing.replay.replay import Replay, Step, View
+from proxnav.images.codecs import encode_jpeg, read_image
+from proxnav.images.tones import as_8_bit
+from proxnav.viewing.replay.replay import Placement, Replay, Step
 
 TIMELINE = "t"
 _TRUE, _FOUND, _ESTIMATE, _QUIET = (90, 220, 90), (255, 200, 40), (255, 140, 40), (150, 150, 150)
-_JPEG_QUALITY = 85
+JPEG_QUALITY = 85
 _ERROR_COLOURS = ((235, 70, 70), (70, 200, 70), (80, 130, 255))
 
 
@@ -101,10 +100,11 @@ def _log_step(replay: Replay, step: Step, recording: Any) -> None:
     recording.log("status", rr.TextLog(f"{step.label}: {step.status}", level="INFO" if step.estimate else "WARN"))
 
 
-def _log_image(replay: Replay, step: Step, shown: View | None, recording: Any) -> None:
+def _log_image(replay: Replay, step: Step, shown: Placement | None, recording: Any) -> None:
     rr, place = _rerun(), "world/truth/camera/image"
     if step.image is not None and step.image.is_file():
-        recording.log(place, rr.EncodedImage(contents=jpeg(read_image(step.image)), media_type="image/jpeg"))
+        contents = encode_jpeg(as_8_bit(read_image(step.image)), JPEG_QUALITY)
+        recording.log(place, rr.EncodedImage(contents=contents, media_type="image/jpeg"))
     if shown is not None:
         true = replay.camera.project(shown.T_cam_target @ replay.keypoints_m)
         recording.log(f"{place}/true", rr.Points2D(_finite(true), colors=_TRUE, radii=rr.Radius.ui_points(2.5)))
@@ -138,13 +138,6 @@ def _log_errors(replay: Replay, step: Step, recording: Any) -> None:
             bound = 3.0 * float(step.sigmas[k]) * scale
             recording.log(f"{place}/3_sigma_above", rr.Scalars(bound))
             recording.log(f"{place}/3_sigma_below", rr.Scalars(-bound))
-
-
-def jpeg(image: np.ndarray, quality: int = _JPEG_QUALITY) -> bytes:
-    """The image as an 8-bit JPEG."""
-    rgb = as_rgb(image)
-    pixels = rgb[..., 0] if image.ndim == 2 else rgb[..., ::-1]
-    return cv2.imencode(".jpg", np.ascontiguousarray(pixels), [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
 
 
 def ellipses(step: Step, points: int = 24) -> list[np.ndarray]:

@@ -7,9 +7,9 @@ from typing import Any
 import cv2
 import numpy as np
 
-from proxnav.datasets.set.dataset import read_image
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.images.codecs import read_image
 from proxnav.records import Keypoints
 from proxnav.targets import Target
 from proxnav.viewing.overlay import caption, overlay

@@ -1,28 +1,29 @@
-"""Error of one estimated pose, and the scores that are in use for it.
+"""Error of one estimated pose.
 
 E_T = |t_est - t_true| per axis and as a norm, E_TN = norm / |t_true|, E_R = angle between the attitudes,
 E_C = E_TN + E_R[rad].
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
-from proxnav.geometry import Pose, quaternion
+from proxnav.geometry import quaternion
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.pose import Pose
 
-_SPEC2021_DEAD_ZONE = np.radians(0.169), 2.173e-3  # rad and m/m: accuracy of the truth in SPEED+'s laboratory
-_LABORATORY_DEAD_ZONE = np.radians(0.5), 5e-3
+HALF_TURN_RAD = np.pi / 2.0
+"""An attitude error beyond it took one side of the target for another."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseErrors:
     """Errors of T_cam_target, in the camera frame."""
 
-    e_t_m: np.ndarray
-    """(3,) absolute position error per camera axis [m]."""
+    e_t_m: Float[np.ndarray, "3"]
+    """Absolute position error per camera axis [m]: right, down, forward."""
     e_t_norm_m: float
     e_tn: float
     """Norm of the position error over the true range."""
@@ -54,34 +55,3 @@ def pose_errors(T_est: Pose, T_true: Pose) -> PoseErrors:
     e_r_rad = float(quaternion.angle_between(T_est.q_wxyz, T_true.q_wxyz))
     e_tn = e_t_norm_m / range_m
     return PoseErrors(e_t_m, e_t_norm_m, e_tn, e_r_rad, e_tn + e_r_rad)
-
-
-def spec2021_score(errors: PoseErrors) -> float:
-    """Score of the challenge of 2021: each term counts zero below 0.169 deg or 2.173 mm/m."""
-    return _dead_zone_score(errors, *_SPEC2021_DEAD_ZONE)
-
-
-def laboratory_score(errors: PoseErrors) -> float:
-    """The later dead zones: each term counts zero below 0.5 deg or 5 mm/m."""
-    return _dead_zone_score(errors, *_LABORATORY_DEAD_ZONE)
-
-
-def _dead_zone_score(errors: PoseErrors, least_rad: float, least_tn: float) -> float:
-    turn = errors.e_r_rad if errors.e_r_rad >= least_rad else 0.0
-    return turn + (errors.e_tn if errors.e_tn >= least_tn else 0.0)
-
-
-COMBINED: Mapping[str, Callable[[PoseErrors], float]] = {
-    "e_tn + e_r [rad]": lambda e: e.e_c,
-    "e_tn + e_r / pi": lambda e: e.e_tn + e.e_r_rad / np.pi,
-    "mean axis e_t / range + e_r [rad]": lambda e: _mean_axis_share(e) + e.e_r_rad,
-    "e_t [m] + e_r [rad]": lambda e: e.e_t_norm_m + e.e_r_rad,
-    "SPEC2021 dead zone (0.169 deg, 2.173 mm/m)": spec2021_score,
-    "laboratory dead zone (0.5 deg, 5 mm/m)": laboratory_score,
-}
-"""Named definitions of a combined error. The study does not say which is its E_C; we use the first."""
-
-
-def _mean_axis_share(errors: PoseErrors) -> float:
-    """Mean over the axes of the position error, over the range."""
-    return float(errors.e_t_m.mean()) * (errors.e_tn / errors.e_t_norm_m if errors.e_t_norm_m > 0.0 else 0.0)

@@ -1,13 +1,20 @@
-"""Images as the detectors read them: grey, eight bit, in the camera's size."""
+"""Tones of images: counts of any converter as 8 bits, grey or colour."""
 
 import cv2
 import numpy as np
 
 from proxnav.errors import InputError
-from proxnav.geometry import Camera
 
 _LEAST_RANGE = 4
 """Counts between the darkest and the brightest pixel below which an image is empty."""
+
+
+def as_8_bit(image: np.ndarray, bits: int | None = None) -> np.ndarray:
+    """Counts of a converter of `bits` bits as uint8; without `bits` the brightest pixel tells how many there are."""
+    if image.dtype == np.uint8:
+        return image
+    bits = int(image.max()).bit_length() if bits is None else bits
+    return (image >> max(0, bits - 8)).astype(np.uint8)
 
 
 def grey_8_bit(image: np.ndarray, bits: int | None = None) -> np.ndarray:
@@ -19,20 +26,13 @@ def grey_8_bit(image: np.ndarray, bits: int | None = None) -> np.ndarray:
         )
     if image.ndim == 3:
         image = image[..., 0] if image.shape[2] == 1 else cv2.cvtColor(image[..., :3], cv2.COLOR_RGB2GRAY)
-    if image.dtype == np.uint16:
-        bits = max(8, int(image.max()).bit_length()) if bits is None else bits
-        image = (image >> (bits - 8)).astype(np.uint8)
-    return np.ascontiguousarray(image)
+    return np.ascontiguousarray(as_8_bit(image, bits))
 
 
-def check_size(image: np.ndarray, camera: Camera) -> None:
-    """InputError when the image is not of the camera's size."""
-    height, width = image.shape[:2]
-    if (width, height) != (camera.width, camera.height):
-        raise InputError(
-            f"the image is {width}x{height} px, the camera {camera.width}x{camera.height} px; "
-            "give the camera.json of these images or resize the camera with them"
-        )
+def rgb_8_bit(image: np.ndarray) -> np.ndarray:
+    """A copy of a uint8/uint16 image, grey or RGB, as RGB uint8."""
+    image = as_8_bit(image)
+    return np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image.copy()
 
 
 def is_blank(grey: np.ndarray) -> bool:
