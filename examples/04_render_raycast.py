@@ -1,11 +1,11 @@
-"""What the camera looks at: one scene of a preset as linear radiance, depth and parts."""
+"""What the camera looks at: one scene of a mission as linear radiance, depth and parts."""
 
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from proxnav import presets
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 from proxnav.records import Frame
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
@@ -14,7 +14,7 @@ from proxnav.targets.loading import load_target
 
 def main(out: Path = Path("out/examples"), size: int = 512, seed: int = 0) -> Frame:
     """Draws a scene at random, renders it, and shows the light tone-mapped for the eye."""
-    (scene,) = draw_scenes(presets.preset("observation-10-100m"), frames=1, seed=seed, size=size)
+    (scene,) = draw_scenes(load_mission("observation-10-100m"), frames=1, seed=seed, size=size)
     target = load_target(scene.target)
     frame = RaycastRenderer(target, RaycastConfig()).render(scene)
 

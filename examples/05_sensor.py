@@ -6,7 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from proxnav import presets
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.sensor import expose
@@ -16,7 +16,7 @@ from proxnav.targets.loading import load_target
 
 def main(out: Path = Path("out/examples"), size: int = 384, seed: int = 0) -> list[np.ndarray]:
     """Renders once and exposes often: noise, gain and saturation belong to the sensor, not to the scene."""
-    (scene,) = draw_scenes(presets.preset("observation-10-100m"), frames=1, seed=seed, size=size)
+    (scene,) = draw_scenes(load_mission("observation-10-100m"), frames=1, seed=seed, size=size)
     light = RaycastRenderer(load_target(scene.target), RaycastConfig()).render(scene)
 
     sensors = {

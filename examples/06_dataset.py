@@ -4,16 +4,16 @@ from pathlib import Path
 
 import cv2
 
-from proxnav import presets
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.frames import FrameConfig
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes, render
 from proxnav.viewing.overlay import contact_sheet, overlay
 
 
 def main(out: Path = Path("out/examples"), frames: int = 8, size: int = 384) -> Dataset:
-    """Renders a few frames of the observation preset; run it again and it finds them already there."""
-    scenes = draw_scenes(presets.preset("observation-10-100m"), frames, seed=0, size=size)
+    """Renders a few frames of the observation mission; run it again and it finds them already there."""
+    scenes = draw_scenes(load_mission("observation-10-100m"), frames, seed=0, size=size)
     dataset = render(scenes, FrameConfig("raycast"), out / "dataset", workers=1)
     print(f"{len(dataset)} frames of {dataset.target_name} in {dataset.folder}")
 

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav import presets
 from proxnav.evaluation.navigation_errors import nav_errors
 from proxnav.evaluation.solution_files import read_solution, solution_columns
 from proxnav.flight.simulate import SimulationConfig, simulate
 from proxnav.flight.truth_files import true_states
+from proxnav.missions import fly, load_mission
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.navigator import run_filter, scene_of
 from proxnav.storage.tables import write_columns
@@ -19,9 +19,9 @@ from proxnav.viewing.report_filter import filter_section
 
 def main(out: Path = Path("out/examples"), seconds: float = 120.0) -> np.ndarray:
     """Flies the first part of the approach, filters what the sensors say, and prints how honest the filter is."""
-    flight = presets.flight("approach-100-10m")
+    flight = fly("approach-100-10m")
     flight = select(flight, np.flatnonzero(flight.t <= flight.t[0] + seconds))
-    target, camera, config = load_target("space-rider"), presets.NAVIGATION_CAMERA, NavigationConfig()
+    target, camera, config = load_target("space-rider"), load_mission("observation-10-100m").camera, NavigationConfig()
 
     truth, records = simulate(flight, target, camera, SimulationConfig(), np.random.default_rng(0))
     t = np.arange(truth.t[0] + 1.0, truth.t[-1], 1.0)

@@ -12,11 +12,11 @@ import torch
 from tests.datasets.formats.small_sets import make_dataset
 from tests.detection.test_training import CONFIG, assert_same, learner, source
 
-from proxnav import presets
 from proxnav.cli.main import main
 from proxnav.detection.training import train
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes, render
 from proxnav.storage import files
 
@@ -24,7 +24,7 @@ RAYCAST = FrameConfig("raycast")
 
 
 def scenes():
-    return draw_scenes(presets.preset("observation-10-100m"), 4, 3, 64)
+    return draw_scenes(load_mission("observation-10-100m"), 4, 3, 64)
 
 
 def contents(folder: Path) -> dict[str, bytes]:

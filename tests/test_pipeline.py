@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from jobs import Same
-from proxnav import presets
 from proxnav.commands.demo import DemoConfig
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig
 from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, sample_source
+from proxnav.missions import fly, load_mission
 from proxnav.pipeline import draw_scenes, follow, judge, observable, render, truth_of, write_run
 from proxnav.records import Keypoints
 from proxnav.storage.lock import LOCK
@@ -31,7 +31,7 @@ SIDE = 96
 
 
 def scenes(frames, seed=3):
-    return draw_scenes(presets.preset("observation-10-100m"), frames, seed, SIDE)
+    return draw_scenes(load_mission("observation-10-100m"), frames, seed, SIDE)
 
 
 def fingerprint(folder: Path) -> dict[str, str]:
@@ -107,11 +107,11 @@ def test_a_render_killed_twenty_times_ends_like_one_that_was_not(tmp_path):
 
 
 def test_a_trajectory_is_followed_where_the_lit_side_shows():
-    preset = presets.preset("spiral-10-100m")
-    trajectory = presets.flight(preset.trajectory)
-    usable = observable(trajectory, preset.scenes.sun.max_phase_rad)
+    mission = load_mission("spiral-10-100m")
+    trajectory = fly(mission.flight.trajectory)
+    usable = observable(trajectory, mission.scenes.sun.max_phase_rad)
     assert 0.1 < usable.mean() < 0.9
-    for scene in follow(trajectory, preset, 5, seed=0, size=SIDE):
+    for scene in follow(trajectory, mission, 5, seed=0, size=SIDE):
         to_camera = scene.T_cam_target.inverse().t_m
         assert scene.sun.visible_fraction > 0.5
         assert np.dot(scene.sun.direction_target, to_camera) > -1e-6
@@ -127,7 +127,7 @@ def test_perfect_estimates_have_no_error(six):
     assert "Cramer-Rao" in judgement.text()
 
 
-CROPS = CropConfig(side=64, scenes=presets.TRAINING, seed=11)
+CROPS = CropConfig(load_mission("observation-10-100m").training_mission, side=64, seed=11)
 
 
 def test_a_training_crop_is_a_function_of_its_number():
@@ -172,11 +172,11 @@ def test_ranks_draw_disjoint_samples_and_together_all_of_them():
 
 @pytest.mark.parametrize(("frames", "seed"), [(0, 0), (-3, 0), (1, -1)])
 def test_no_frames_or_a_negative_seed_is_refused_by_random_and_by_flown_scenes(frames, seed):
-    preset = presets.preset("spiral-10-100m")
+    mission = load_mission("spiral-10-100m")
     with pytest.raises(InputError, match="at least 1 frame"):
-        draw_scenes(preset, frames, seed, SIDE)
+        draw_scenes(mission, frames, seed, SIDE)
     with pytest.raises(InputError, match="at least 1 frame"):
-        follow(presets.flight(preset.trajectory), preset, frames, seed, SIDE)
+        follow(fly(mission.flight.trajectory), mission, frames, seed, SIDE)
 
 
 def test_a_run_folder_says_what_was_asked_and_forgets_the_overlays_of_the_run_before(six, tmp_path):
@@ -210,7 +210,7 @@ def test_a_set_is_not_continued_by_another_renderer(six, tmp_path):
 @pytest.mark.parametrize("size", [0, -5, 10**9])
 def test_an_image_of_impossible_size_is_refused(size):
     with pytest.raises(InputError, match="longer side"):
-        draw_scenes(presets.preset("observation-10-100m"), 1, 0, size)
+        draw_scenes(load_mission("observation-10-100m"), 1, 0, size)
 
 
 @pytest.mark.parametrize(("workers", "repeats"), [(0, 1), (1, 0)])

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxnav import presets
 from proxnav.estimator import PoseEstimator
 from proxnav.evaluation.table import STUDY
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry.pose_errors import pose_errors
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 
 FRAMES = 16
-PRESET = presets.preset("observation-10-100m")
+MISSION = load_mission("observation-10-100m")
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def make():
 
 def test_fresh_frames_are_seen_as_well_as_the_study_saw_its_own(estimator, make):
     errors = []
-    for scene in draw_scenes(PRESET, FRAMES, seed=424_242):
+    for scene in draw_scenes(MISSION, FRAMES, seed=424_242):
         T = estimator(make(scene).image, scene.camera).T_cam_target
         if T is not None:
             errors.append(pose_errors(T, scene.T_cam_target).e_c)
@@ -37,13 +37,13 @@ def test_fresh_frames_are_seen_as_well_as_the_study_saw_its_own(estimator, make)
 
 
 def test_sky_and_earth_without_a_target_give_no_pose(estimator, make):
-    for scene in draw_scenes(PRESET, FRAMES, seed=515_151):
+    for scene in draw_scenes(MISSION, FRAMES, seed=515_151):
         empty = replace(scene, t_cam_target_m=(0.0, 0.0, -50.0))  # behind the camera
         assert estimator(make(empty).image, scene.camera).T_cam_target is None
 
 
 def test_an_outline_that_the_image_does_not_show_takes_the_pose_back(estimator, make):
-    scene = next(iter(draw_scenes(PRESET, 1, seed=424_242)))
+    scene = next(iter(draw_scenes(MISSION, 1, seed=424_242)))
     image = make(scene).image
     found = estimator.alignment_of(image, scene.camera)
     for least, status in ((found.edge_share - 1e-6, "ok"), (found.edge_share + 1e-6, "no_consensus")):
@@ -60,13 +60,13 @@ def test_noise_gives_no_pose(estimator, kind, rng):
         image = rng.integers(0, 256, (1024, 1024), dtype=np.uint8)
         if kind == "smooth":
             image = cv2.normalize(cv2.GaussianBlur(image, (0, 0), 12.0), None, 0, 255, cv2.NORM_MINMAX)
-        assert estimator(image, PRESET.camera).T_cam_target is None
+        assert estimator(image, MISSION.camera).T_cam_target is None
 
 
 def test_the_studys_network_sees_as_well_as_the_study_did(make):
     study = PoseEstimator.load("space-rider-study")
     errors = []
-    for scene in draw_scenes(PRESET, FRAMES, seed=424_242):
+    for scene in draw_scenes(MISSION, FRAMES, seed=424_242):
         T = study(make(scene).image, scene.camera).T_cam_target
         if T is not None:
             errors.append(pose_errors(T, scene.T_cam_target).e_c)

@@ -62,18 +62,18 @@ def measure(frames: int, samples: int, size: int) -> None:
     """Prints processor seconds per frame of each and their ratios."""
     import numpy as np
 
-    from proxnav import presets
     from proxnav.datasets.set.writer import DatasetWriter
     from proxnav.frames import FrameConfig, FrameJob
+    from proxnav.missions import load_mission
     from proxnav.pipeline import draw_scenes
     from proxnav.rendering.cycles.blender import WORKER, find_blender
     from proxnav.targets.loading import load_target
 
-    preset = presets.preset("observation-10-100m")
-    preset = replace(preset, scenes=replace(preset.scenes, earth_share=1.0))
-    scenes = draw_scenes(preset, frames + 2, 0, size)
-    write_requests(load_target(preset.target), samples, scenes)
-    jobs = [FrameJob(preset.target, FrameConfig(renderer, samples))() for renderer in ("raycast", "cycles")]
+    mission = load_mission("observation-10-100m")
+    mission = replace(mission, looks=replace(mission.looks, earth=1.0))
+    scenes = draw_scenes(mission, frames + 2, 0, size)
+    write_requests(load_target(mission.target), samples, scenes)
+    jobs = [FrameJob(mission.target, FrameConfig(renderer, samples))() for renderer in ("raycast", "cycles")]
     pipe = subprocess.PIPE
     spent = []
     with (
@@ -86,7 +86,7 @@ def measure(frames: int, samples: int, size: int) -> None:
         assert loop.stdin is not None
         assert loop.stdout is not None
         writer = DatasetWriter(Path(folder) / "set")
-        writer.begin(scenes, load_target(preset.target))
+        writer.begin(scenes, load_target(mission.target))
         for k, scene in enumerate(scenes):
             row = []
             for make in jobs:

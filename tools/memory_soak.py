@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav import presets
 from proxnav.frames import FrameConfig, FrameJob
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 from proxnav.records import SceneSpec
 from proxnav.rendering.cycles import CyclesConfig
@@ -27,11 +27,11 @@ STEP, SIDE = 50, 96
 def main() -> None:
     """Prints the series of each renderer and what the second half added to the first."""
     options = _parse()
-    preset = presets.preset("observation-10-100m")
+    mission = load_mission("observation-10-100m")
     found = {}
     for name in options.renderers:
-        scenes = draw_scenes(preset, options.frames, 0, SIDE)
-        series = np.array((raycast if name == "raycast" else cycles)(scenes, preset.target))
+        scenes = draw_scenes(mission, options.frames, 0, SIDE)
+        series = np.array((raycast if name == "raycast" else cycles)(scenes, mission.target))
         print(name, series.round().astype(int).tolist(), flush=True)
         settled = series[len(series) // 5 :]
         slope = np.polyfit(np.arange(len(settled)) * STEP / 1000.0, settled, 1)[0]

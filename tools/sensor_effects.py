@@ -3,7 +3,7 @@
     python tools/sensor_effects.py
 
 Effects are shown several times stronger than in the presets, where they would hardly show at this size; the captions
-say how strong. The last row is the speed-class preset as it is.
+say how strong. The last row is the speed-class sensor as it is.
 """
 
 from dataclasses import dataclass, field, replace
@@ -12,9 +12,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from proxnav import presets
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.missions import load_mission
 from proxnav.records import ExposureSpec, Frame, SceneSpec, SensorSpec
 from proxnav.rendering.raycast import RaycastRenderer
 from proxnav.scenes.random_scene import random_scene
@@ -90,9 +90,9 @@ SUN_PLACES = (
 
 
 def base_scene(index: int) -> SceneSpec:
-    """One of the random scenes of the observation preset, from 14 m."""
-    camera = presets.NAVIGATION_CAMERA.resized(TILE, TILE)
-    scene = random_scene(index, 3, presets.OBSERVATION, "space-rider", camera)
+    """One of the random scenes of the observation mission, from 14 m."""
+    camera = load_mission("observation-10-100m").camera.resized(TILE, TILE)
+    scene = random_scene(index, 3, load_mission("observation-10-100m").scenes, "space-rider", camera)
     return replace(scene, t_cam_target_m=(0.0, 0.0, 14.0))
 
 

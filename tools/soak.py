@@ -17,8 +17,8 @@ from pathlib import Path
 
 import psutil
 
-from proxnav import presets
 from proxnav.frames import FrameConfig, FrameJob, Renderer
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 
 
@@ -41,10 +41,10 @@ def main() -> int:
 
 def soak(renderer: Renderer, frames: int, size: int, samples: int) -> dict:
     """Draws the frames and measures on the way."""
-    preset = presets.preset("observation-10-100m")
-    make, marks, start = FrameJob(preset.target, FrameConfig(renderer, samples))(), [], time.monotonic()
+    mission = load_mission("observation-10-100m")
+    make, marks, start = FrameJob(mission.target, FrameConfig(renderer, samples))(), [], time.monotonic()
     every = max(1, frames // 10)
-    for scene in draw_scenes(preset, frames, 7, size):
+    for scene in draw_scenes(mission, frames, 7, size):
         make(scene)
         if (scene.index + 1) % every == 0:
             marks.append({"frame": scene.index + 1, **measured(), "minutes": (time.monotonic() - start) / 60.0})

@@ -28,8 +28,8 @@ from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.types import Points
 from proxnav.images.codecs import encode_png
+from proxnav.missions import Mission
 from proxnav.pose.solve.crlb import cramer_rao_white
-from proxnav.presets import Preset
 from proxnav.records import VISIBLE, FrameLabel, Keypoints, SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.scenes.random_scene import random_scene
@@ -46,22 +46,24 @@ EFFICIENCY_EDGES_M = (10.0, 15.0, 25.0, 40.0, 60.0, 70.0, 90.0, 110.0)
 """Bins round 20, 50 and 80 m, and what lies between."""
 
 
-def draw_scenes(preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
-    """Scenes of a preset, each a function of (seed, index) alone; `size` resamples the square camera."""
+def draw_scenes(mission: Mission, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
+    """Scenes of a mission, each a function of (seed, index) alone; `size` resamples the square camera."""
     _check_order(frames, seed)
-    camera = resized(preset.camera, size)
-    return [random_scene(index, seed, preset.scenes, preset.target, camera) for index in range(frames)]
+    camera = resized(mission.camera, size)
+    return [random_scene(index, seed, mission.scenes, mission.target, camera) for index in range(frames)]
 
 
-def follow(trajectory: Trajectory, preset: Preset, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
+def follow(
+    trajectory: Trajectory, mission: Mission, frames: int, seed: int, size: int | None = None
+) -> list[SceneSpec]:
     """`frames` scenes spread evenly over the observable part of a trajectory; over all of it if there is none."""
     _check_order(frames, seed)
-    usable = observable(trajectory, preset.scenes.sun.max_phase_rad)
+    usable = observable(trajectory, mission.scenes.sun.max_phase_rad)
     seen = spread(select(trajectory, usable) if usable.any() else trajectory, frames)
-    camera = resized(preset.camera, size)
-    config = SceneConfig(sensor=preset.scenes.sensor, cloud_seed=seed, sequence=seen.source)
+    camera = resized(mission.camera, size)
+    config = SceneConfig(sensor=mission.sensor, cloud_seed=seed, sequence=seen.source)
     return [
-        scene_at(seen, k, index=k, target=preset.target, camera=camera, config=config, seed=seed)
+        scene_at(seen, k, index=k, target=mission.target, camera=camera, config=config, seed=seed)
         for k in range(len(seen))
     ]
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from jobs import CannotBegin, DieOnce, Fail, FailAtThree, Square, Threads
-from proxnav import presets
 from proxnav.cluster.jobs import run_anywhere
 from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes, render
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]  # Ray's own imports warn
@@ -29,7 +29,7 @@ def fingerprint(folder: Path) -> dict[str, str]:
 
 
 def test_frames_survive_the_death_of_a_node(two_nodes, tmp_path, monkeypatch) -> None:
-    scenes = draw_scenes(presets.preset("observation-10-100m"), FRAMES, 3, SIDE)
+    scenes = draw_scenes(load_mission("observation-10-100m"), FRAMES, 3, SIDE)
     render(scenes, FrameConfig("raycast"), tmp_path / "one", 1)
     written, put = Counter(), DatasetWriter.put
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxnav import presets
 from proxnav.commands.benchmark_conditions import (
     blurred,
     conditions,
@@ -18,11 +17,12 @@ from proxnav.commands.benchmark_conditions import (
     without_target,
 )
 from proxnav.geometry.perturbation import moved
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 from proxnav.records import PoseResult
 
-PRESET = presets.preset("observation-10-100m")
-SCENE = draw_scenes(PRESET, 1, seed=4)[0]
+MISSION = load_mission("observation-10-100m")
+SCENE = draw_scenes(MISSION, 1, seed=4)[0]
 
 
 @pytest.mark.parametrize("pixels", [2.0, 5.0])
@@ -43,15 +43,15 @@ def test_noise_grows_by_its_factor_over_the_range_of_the_converter():
 
 
 def test_conditions_change_what_they_name_and_nothing_else():
-    drawn = conditions(PRESET.scenes)
-    assert drawn["nominal"][0] == PRESET.scenes
+    drawn = conditions(MISSION.scenes)
+    assert drawn["nominal"][0] == MISSION.scenes
     assert drawn["cut by the frame at 10 m"][0].view.range_m == (10.0, 10.0)
     assert replace(storm(SCENE), sensor=SCENE.sensor) == SCENE
 
 
 @pytest.mark.parametrize("index", range(4))
 def test_the_sun_stands_where_the_condition_wants_it(index):
-    scene = draw_scenes(PRESET, index + 1, seed=4)[index]
+    scene = draw_scenes(MISSION, index + 1, seed=4)[index]
     lit = sun_in_lens(scene, np.radians(15.0))
     in_camera = scene.T_cam_target.R @ np.array(lit.sun.direction_target)
     assert np.degrees(np.arccos(in_camera[2])) == pytest.approx(15.0, abs=1e-6)
@@ -60,7 +60,7 @@ def test_the_sun_stands_where_the_condition_wants_it(index):
 
 
 def test_frames_without_a_target_are_of_three_kinds():
-    empty = [without_target(scene) for scene in draw_scenes(PRESET, 4, seed=4)]
+    empty = [without_target(scene) for scene in draw_scenes(MISSION, 4, seed=4)]
     assert all(scene.t_cam_target_m[2] < 0.0 for scene in empty)
     assert empty[2].sensor != empty[1].sensor == empty[0].sensor
     towards_sun = [(scene.T_cam_target.R @ np.array(scene.sun.direction_target))[2] for scene in empty]

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from proxnav import presets
 from proxnav.benchmarks.monte_carlo import Case, RunJob
 from proxnav.cli.main import main
 from proxnav.cluster.carried import Carried
@@ -14,6 +13,7 @@ from proxnav.cluster.jobs import run_anywhere
 from proxnav.commands.look_jobs import LookJob
 from proxnav.flight.simulate import SensingConfig, SimulationConfig
 from proxnav.flight.truth import TruthConfig
+from proxnav.missions import fly, load_mission
 from proxnav.navigation.config import NavigationConfig
 from proxnav.pipeline import draw_scenes
 from proxnav.targets.loading import load_target
@@ -47,11 +47,11 @@ def test_estimates_are_the_same_bytes_in_one_process_in_two_and_on_ray(tmp_path:
 
 def test_looks_at_scenes_are_the_same_in_two_processes_and_on_ray() -> None:
     shipped = Path(__file__).parents[2] / "src" / "proxnav" / "weights" / "space-rider-fast"
-    preset = presets.preset("observation-10-100m")
-    scenes = draw_scenes(preset, 3, 5, 256)
+    mission = load_mission("observation-10-100m")
+    scenes = draw_scenes(mission, 3, 5, 256)
     found = []
     for on, model in (("pool", "space-rider-fast"), ("ray", Carried.of(shipped))):
-        job = LookJob(model, load_target(preset.target), "onnxruntime")
+        job = LookJob(model, load_target(mission.target), "onnxruntime")
         seen = {scene.index: result for scene, result in run_anywhere(job, scenes, 2, on)}
         found.append([(keypoints.pixels, result.status) for _, (keypoints, result) in sorted(seen.items())])
     for (pixels, status), (others, other) in zip(*found, strict=True):
@@ -61,7 +61,7 @@ def test_looks_at_scenes_are_the_same_in_two_processes_and_on_ray() -> None:
 
 def test_monte_carlo_runs_are_the_same_on_ray() -> None:
     job = RunJob(
-        presets.flight("spiral-10-100m"), 60.0, "space-rider", presets.NAVIGATION_CAMERA,
+        fly("spiral-10-100m"), 60.0, "space-rider", load_mission("spiral-10-100m").camera,
         SimulationConfig(TruthConfig(step_s=0.5), SensingConfig()), NavigationConfig(),
     )  # fmt: skip
     cases = [Case("short", seed) for seed in (1, 2)]

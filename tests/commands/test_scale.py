@@ -4,10 +4,10 @@ from itertools import count
 
 import pytest
 
-from proxnav import presets
 from proxnav.cli.main import main
 from proxnav.commands.benchmark_scale import ScaleBenchmarkConfig, rate, table, text, written
 from proxnav.errors import InputError
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 
 
@@ -33,7 +33,7 @@ def test_the_clock_runs_while_every_worker_is_busy(monkeypatch) -> None:
 
 def test_frames_are_drawn_and_written_on_the_clock(tmp_path) -> None:
     config = ScaleBenchmarkConfig(frames=10, size=32)
-    scenes = draw_scenes(presets.preset("observation-10-100m"), 6, 0, 32)
+    scenes = draw_scenes(load_mission("observation-10-100m"), 6, 0, 32)
     names = list(written(scenes, tmp_path, 2, "pool", config))
     assert len(names) == 6
     assert len(list((tmp_path / "images").iterdir())) == 6

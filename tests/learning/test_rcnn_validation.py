@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from proxnav import presets
 from proxnav.cli.main import main
 from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
 from proxnav.frames import FrameConfig
 from proxnav.geometry import Camera, Pose, so3
 from proxnav.learning import rcnn_validation
 from proxnav.learning.rcnn_validation import WITHOUT_POSE, Labelled, fresh_frames, mean_e_c
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes, render
 from proxnav.records import Keypoints
 from proxnav.targets.loading import load_target
@@ -68,7 +68,7 @@ def test_fresh_frames_carry_their_pose():
 
 
 def test_a_set_that_is_all_validation_is_refused(tmp_path, capsys):
-    scenes = draw_scenes(presets.preset("observation-10-100m"), 2, 3, 64)
+    scenes = draw_scenes(load_mission("observation-10-100m"), 2, 3, 64)
     render(scenes, FrameConfig("raycast"), tmp_path / "set", 1)
     arguments = ["--out", str(tmp_path / "run"), "--data", str(tmp_path / "set"), "--validation", "2"]
     assert main(["train", "keypoint-rcnn", *arguments]) == 1

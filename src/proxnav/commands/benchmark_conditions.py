@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, check_workers, run_anywhere
 from proxnav.commands.estimate_jobs import carried_model
@@ -23,7 +22,7 @@ from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.geometry.pose_errors import pose_errors
 from proxnav.learning.crops import BEHIND_M
-from proxnav.presets import Preset
+from proxnav.missions import Mission, load_mission
 from proxnav.records import PoseResult, SceneSpec
 from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
 from proxnav.scenes.random_sun import phase_angle
@@ -35,7 +34,7 @@ Change = Callable[[SceneSpec], SceneSpec]
 
 @dataclass(frozen=True)
 class ConditionsConfig:
-    """Ray-cast frames of the preset under each condition; every condition sees the same views where it can."""
+    """Ray-cast frames of the mission under each condition; every condition sees the same views where it can."""
 
     model: str = "space-rider"
     """Name or folder."""
@@ -156,13 +155,13 @@ def without_target(scene: SceneSpec) -> SceneSpec:
 
 def measure(config: ConditionsConfig) -> dict[str, Any]:
     """One row of numbers for each condition, and what frames without a target gave."""
-    preset = presets.preset(config.preset)
+    mission = load_mission(config.preset)
     sets = {
-        name: [change(_scene(i, config, preset, drawn)) for i in range(config.frames)]
-        for name, (drawn, change) in conditions(preset.scenes).items()
+        name: [change(_scene(i, config, mission, drawn)) for i in range(config.frames)]
+        for name, (drawn, change) in conditions(mission.scenes).items()
     }
-    empty = [without_target(_scene(i, config, preset, preset.scenes)) for i in range(config.empty)]
-    seen = _seen([scene for scenes in (*sets.values(), empty) for scene in scenes], preset, config)
+    empty = [without_target(_scene(i, config, mission, mission.scenes)) for i in range(config.empty)]
+    seen = _seen([scene for scenes in (*sets.values(), empty) for scene in scenes], mission, config)
     rows: dict[str, Any] = {}
     for name, scenes in sets.items():
         results = [seen[id(scene)] for scene in scenes]
@@ -173,24 +172,24 @@ def measure(config: ConditionsConfig) -> dict[str, Any]:
     return {"model": config.model, "rows": rows, "empty_frames": config.empty, "empty_frames_with_a_pose": accepted}
 
 
-def _scene(index: int, config: ConditionsConfig, preset: Preset, drawn: RandomSceneConfig) -> SceneSpec:
-    return random_scene(index, config.seed, drawn, preset.target, preset.camera)
+def _scene(index: int, config: ConditionsConfig, mission: Mission, drawn: RandomSceneConfig) -> SceneSpec:
+    return random_scene(index, config.seed, drawn, mission.target, mission.camera)
 
 
-def _seen(scenes: Sequence[SceneSpec], preset: Preset, config: ConditionsConfig) -> dict[int, PoseResult]:
+def _seen(scenes: Sequence[SceneSpec], mission: Mission, config: ConditionsConfig) -> dict[int, PoseResult]:
     """By `id` of the scene: scenes of several conditions share their index."""
     found: dict[int, PoseResult] = {}
     with progress("conditions", len(scenes)) as done:
-        for scene, (_, result) in run_anywhere(_job(preset, config), scenes, config.workers, config.on, _named):
+        for scene, (_, result) in run_anywhere(_job(mission, config), scenes, config.workers, config.on, _named):
             found[id(scene)] = result
             done()
     return found
 
 
-def _job(preset: Preset, config: ConditionsConfig) -> LookJob:
+def _job(mission: Mission, config: ConditionsConfig) -> LookJob:
     alone = config.workers == 1 and config.on == POOL
     model = carried_model(config.model, config.on)
-    return LookJob(model, load_target(preset.target), config.backend, 0 if alone else 1)
+    return LookJob(model, load_target(mission.target), config.backend, 0 if alone else 1)
 
 
 def _named(scene: SceneSpec) -> str:
@@ -201,11 +200,11 @@ def dry_run(config: ConditionsConfig) -> str:
     """Measured on four nominal frames."""
     from proxnav.commands.dry_run import Estimate, seconds_each
 
-    preset = presets.preset(config.preset)
-    scenes = [_scene(i, config, preset, preset.scenes) for i in range(4)]
-    frames = len(conditions(preset.scenes)) * config.frames + config.empty
+    mission = load_mission(config.preset)
+    scenes = [_scene(i, config, mission, mission.scenes) for i in range(4)]
+    frames = len(conditions(mission.scenes)) * config.frames + config.empty
     lanes = max(1, min(config.workers, os.cpu_count() or 1))
-    return Estimate(seconds_each(_job(preset, config)(), scenes) * frames / lanes, 5e3).text(f"{frames} frames")
+    return Estimate(seconds_each(_job(mission, config)(), scenes) * frames / lanes, 5e3).text(f"{frames} frames")
 
 
 def _split(scenes: Sequence[SceneSpec], results: Sequence[PoseResult]) -> dict[str, Any]:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.benchmarks.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, check_workers, run_anywhere
@@ -21,6 +20,8 @@ from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Pose, so3
 from proxnav.geometry.perturbation import difference
+from proxnav.missions import Mission, load_mission
+from proxnav.missions.flights import DAYLIGHT
 from proxnav.pipeline import observable
 from proxnav.records import Keypoints, PoseResult, SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
@@ -93,18 +94,18 @@ def _measured(
 
 def sequence(config: DetectorBenchmarkConfig) -> list[SceneSpec]:
     """Scenes of the sunlit parts of the spiral at the wanted instants."""
-    flight = walking_safety_ellipse(replace(OBSERVATION_10_100_STRICT, step_s=1.0), presets.DAYLIGHT)
+    flight = walking_safety_ellipse(replace(OBSERVATION_10_100_STRICT, step_s=1.0), DAYLIGHT)
     seen = select(flight, observable(flight, np.deg2rad(config.max_phase_deg)))
     since = seen.t - np.maximum.accumulate(np.where(np.diff(seen.t, prepend=-np.inf) > 1.5, seen.t, -np.inf))
     in_burst = since % config.burst_every_s < config.burst
     wanted = select(seen, in_burst | (since % config.step_s < 0.5))
-    preset = presets.preset("spiral-10-100m")
-    options = SceneConfig(sensor=preset.scenes.sensor, sequence=wanted.source)
-    return [_scene(wanted, k, preset, options) for k in range(len(wanted))]
+    mission = load_mission("spiral-10-100m")
+    options = SceneConfig(sensor=mission.sensor, sequence=wanted.source)
+    return [_scene(wanted, k, mission, options) for k in range(len(wanted))]
 
 
-def _scene(flight: Trajectory, k: int, preset: presets.Preset, options: SceneConfig) -> SceneSpec:
-    return scene_at(flight, k, index=k, target=preset.target, camera=preset.camera, config=options, seed=0)
+def _scene(flight: Trajectory, k: int, mission: Mission, options: SceneConfig) -> SceneSpec:
+    return scene_at(flight, k, index=k, target=mission.target, camera=mission.camera, config=options, seed=0)
 
 
 def _line(scene: SceneSpec, keypoints: Keypoints, result: PoseResult, points_m: np.ndarray) -> dict[str, Any]:

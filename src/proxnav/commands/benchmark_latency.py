@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 from proxnav.storage.files import write_json
 
 
 @dataclass(frozen=True)
 class LatencyConfig:
-    """Frames of the preset, ray-cast, seen by each model and by the reference in turn."""
+    """Frames of the mission, ray-cast, seen by each model and by the reference in turn."""
 
     models: tuple[str, ...] = ("space-rider-fast", "space-rider")
     """Names or folders."""
@@ -58,14 +58,14 @@ def main(argv: list[str]) -> None:
 
 def measure(config: LatencyConfig) -> dict[str, Any]:
     """Milliseconds of each model and of the reference, and their ratios."""
-    preset = presets.preset(config.preset)
-    scenes = draw_scenes(preset, config.frames, config.seed)
-    make = FrameJob(preset.target, FrameConfig("raycast"))()
+    mission = load_mission(config.preset)
+    scenes = draw_scenes(mission, config.frames, config.seed)
+    make = FrameJob(mission.target, FrameConfig("raycast"))()
     images = [make(scene).image for scene in scenes]
     rows: dict[str, Any] = {}
     for name in config.models:
         estimator = PoseEstimator.load(name, config.backend, config.threads)
-        ms, results = _timed(lambda image, e=estimator: e(image, preset.camera), images, name)
+        ms, results = _timed(lambda image, e=estimator: e(image, mission.camera), images, name)
         rows[name] = _row(ms) | {"poses": sum(result.status == "ok" for result in results)}
     if config.reference_frames:
         see = keypoint_rcnn(config.threads)
@@ -73,7 +73,7 @@ def measure(config: LatencyConfig) -> dict[str, Any]:
         rows["torchvision keypointrcnn_resnet50_fpn, eager"] = _row(ms)
         for name in config.models:
             rows[name]["times_faster"] = float(np.median(ms)) / rows[name]["median_ms"]
-    return {"frames": config.frames, "size_px": [preset.camera.width, preset.camera.height], "rows": rows}
+    return {"frames": config.frames, "size_px": [mission.camera.width, mission.camera.height], "rows": rows}
 
 
 def dry_run(config: LatencyConfig) -> str:

@@ -11,7 +11,6 @@ from typing import Any, Literal
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.benchmarks.filter_speed import measure_speed
 from proxnav.benchmarks.monte_carlo import Case, RunJob, RunResult, judge_fault, summarise
 from proxnav.benchmarks.run_files import fingerprint, read_runs, write_runs
@@ -21,6 +20,7 @@ from proxnav.flight.faults import Fault
 from proxnav.flight.sensors.fixes import StarTrackerConfig
 from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
 from proxnav.flight.truth import TruthConfig
+from proxnav.missions import fly, load_mission
 from proxnav.navigation.config import FilterNoise, NavigationConfig
 from proxnav.storage.files import read_json, write_json
 
@@ -108,7 +108,7 @@ def faults(config: NavigationBenchmarkConfig) -> dict[str, Any]:
 
 def speed(_: NavigationBenchmarkConfig) -> dict[str, Any]:
     """Time of one prediction and one update with 24 keypoints on one core."""
-    return measure_speed(presets.NAVIGATION_CAMERA, "space-rider")
+    return measure_speed(load_mission("spiral-10-100m").camera, "space-rider")
 
 
 def dry_run(config: NavigationBenchmarkConfig) -> str:
@@ -151,8 +151,9 @@ def _job(
     noise = replace(FilterNoise(), gnss_bias_m=0.03, gnss_tau_s=600.0) if gnss == "carrier" else FilterNoise()
     truth = TruthConfig(step_s=1.0, burn_interval_s=30.0 if flight.startswith("approach") else 600.0)
     sensing = SensingConfig(gnss=gnss, star_tracker=StarTrackerConfig(rate_hz=1.0))
+    mission = load_mission(flight)
     return RunJob(
-        presets.flight(flight), seconds, "space-rider", presets.NAVIGATION_CAMERA,
+        fly(mission.flight.trajectory), seconds, mission.target, mission.camera,
         SimulationConfig(truth, sensing), NavigationConfig(coupling=coupling, gyro=gyro, noise=noise),
     )  # fmt: skip
 

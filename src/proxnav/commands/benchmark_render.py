@@ -8,11 +8,11 @@ from pathlib import Path
 
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, FrameJob, Renderer
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 from proxnav.records import SceneSpec
 from proxnav.storage.files import write_json
@@ -67,13 +67,13 @@ def main(argv: list[str]) -> None:
 
 def _rate(renderer: Renderer, size: int, config: RenderBenchmarkConfig) -> float:
     """Labelled images per second, written as PNG."""
-    preset = presets.preset("observation-10-100m")
-    in_view = replace(preset, scenes=replace(preset.scenes, earth_share=1.0))
+    mission = load_mission("observation-10-100m")
+    in_view = replace(mission, looks=replace(mission.looks, earth=1.0))
     scenes = draw_scenes(in_view, config.frames + 2, config.seed, size)
-    make = FrameJob(preset.target, FrameConfig(renderer, config.samples))()
+    make = FrameJob(mission.target, FrameConfig(renderer, config.samples))()
     with tempfile.TemporaryDirectory() as folder:
         writer = DatasetWriter(Path(folder) / "set")
-        writer.begin(scenes, load_target(preset.target))
+        writer.begin(scenes, load_target(mission.target))
 
         def draw(scene: SceneSpec) -> None:
             frame = make(scene)
@@ -91,9 +91,9 @@ def dry_run(config: RenderBenchmarkConfig) -> str:
     """Each renderer at each size, measured on three frames."""
     from proxnav.commands.dry_run import Estimate, of_rendering
 
-    total, preset = Estimate(0.0, 0.0), presets.preset("observation-10-100m")
+    total, mission = Estimate(0.0, 0.0), load_mission("observation-10-100m")
     for size in config.sizes:
-        scenes = draw_scenes(preset, config.frames + 2, config.seed, size)
+        scenes = draw_scenes(mission, config.frames + 2, config.seed, size)
         for renderer in ("raycast", "cycles"):
             total += of_rendering(scenes, FrameConfig(renderer, config.samples), 1)
     return Estimate(total.seconds, 2e3).text(f"{2 * len(config.sizes)} series of {config.frames} frames")

@@ -13,13 +13,13 @@ from typing import Any
 
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, check_place, run_anywhere
 from proxnav.cluster.local import run_in_processes
 from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, FrameJob, Renderer
+from proxnav.missions import load_mission
 from proxnav.pipeline import EncodeJob, WriteJob, draw_scenes
 from proxnav.records import SceneSpec
 from proxnav.storage.files import write_json
@@ -119,7 +119,7 @@ def dry_run(config: ScaleBenchmarkConfig) -> str:
     """Measured on three frames; workers and Ray take about 10 s to begin, and as long to count."""
     from proxnav.commands.dry_run import Estimate, seconds_each
 
-    scenes = draw_scenes(presets.preset("observation-10-100m"), 4, 0, config.size)
+    scenes = draw_scenes(load_mission("observation-10-100m"), 4, 0, config.size)
     job = EncodeJob(FrameJob(scenes[0].target, FrameConfig(config.renderer, config.samples, 1)))()
     each, seconds, cores = seconds_each(job, scenes), 0.0, os.cpu_count() or 1
     for count in config.workers:
@@ -134,8 +134,8 @@ def frames_per_s(workers: int, on: str, config: ScaleBenchmarkConfig) -> float:
     if on == MACHINE:
         return rate(_signs(run_in_processes(_Signed(CountJob()), range(_WARM * workers + config.frames), workers)),
                     workers, config.frames)  # fmt: skip
-    preset = presets.preset("observation-10-100m")
-    scenes = draw_scenes(preset, config.frames + _WARM * workers, 0, config.size)
+    mission = load_mission("observation-10-100m")
+    scenes = draw_scenes(mission, config.frames + _WARM * workers, 0, config.size)
     scenes = scenes[config.frames :] + scenes[: config.frames]
     with tempfile.TemporaryDirectory() as folder:
         return rate(written(scenes, Path(folder), workers, on, config), workers, config.frames)
@@ -178,9 +178,9 @@ def rate(names: Iterable[str], workers: int, count: int) -> float:
 
 def frames_handed_over_per_s(config: ScaleBenchmarkConfig) -> float:
     """What one driver can take from Ray and write, in frames of this size."""
-    preset = presets.preset("observation-10-100m")
-    scene: SceneSpec = draw_scenes(preset, 1, 0, config.size)[0]
-    make = EncodeJob(FrameJob(preset.target, FrameConfig("raycast")))()
+    mission = load_mission("observation-10-100m")
+    scene: SceneSpec = draw_scenes(mission, 1, 0, config.size)[0]
+    make = EncodeJob(FrameJob(mission.target, FrameConfig("raycast")))()
     sizes = {str(k): len(content) for k, content in enumerate(make(scene).values())}
     place = next((on for on in config.on if on != POOL), POOL)
     with tempfile.TemporaryDirectory() as folder:

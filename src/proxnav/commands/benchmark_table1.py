@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL
 from proxnav.commands.estimate import find_images, observe_anywhere
 from proxnav.detection.sessions import Backend
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, Renderer
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes, judge, render, write_run
 from proxnav.records import SceneSpec
 
@@ -32,7 +32,7 @@ class Table1Config:
     seed: int = 100
     preset: str = "observation-10-100m"
     target: str | None = None
-    """Name or file of the target; the preset's when not given."""
+    """Name or file of the target; the mission's when not given."""
     renderer: Renderer = "cycles"
     samples: int = 32
     """Cycles: samples per pixel."""
@@ -50,9 +50,9 @@ def main(argv: list[str]) -> None:
     """Entry of `proxnav benchmark table1`."""
     config = tyro.cli(Table1Config, args=argv, prog="proxnav benchmark table1")
     estimator = PoseEstimator.load(config.model, config.backend)
-    preset = presets.preset(config.preset)
-    preset = preset if config.target is None else replace(preset, target=config.target)
-    scenes = draw_scenes(preset, config.frames, config.seed)
+    mission = load_mission(config.preset)
+    mission = mission if config.target is None else replace(mission, target=config.target)
+    scenes = draw_scenes(mission, config.frames, config.seed)
     if config.dry_run:
         print(dry_run(estimator, scenes, config))
         return

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.commands.estimate import find_images, observe_images
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, Renderer
+from proxnav.missions import fly, load_mission
 from proxnav.pipeline import follow, judge, render, write_run
 from proxnav.storage.files import write_atomic
 from proxnav.viewing.report import report_html
@@ -23,7 +23,7 @@ class DemoConfig:
     out: Path = Path("out/demo")
     """Folder of the run."""
     preset: str = "spiral-10-100m"
-    """A preset with a trajectory."""
+    """A mission with a trajectory."""
     frames: int = 12
     renderer: Renderer = "cycles"
     """cycles (Blender) or raycast."""
@@ -41,12 +41,11 @@ def main(argv: list[str]) -> None:
 
 def run(config: DemoConfig) -> None:
     """Fly, render, estimate, judge, write."""
-    preset = presets.preset(config.preset)
-    if not preset.trajectory:
-        with_flight = ", ".join(name for name, other in presets.PRESETS.items() if other.trajectory)
-        raise InputError(f"preset '{config.preset}' has no trajectory to fly; one of {with_flight}")
+    mission = load_mission(config.preset)
+    if not mission.flight.trajectory:
+        raise InputError(f"mission '{config.preset}' has no trajectory to fly; spiral-10-100m, for one, has")
     estimator = PoseEstimator.load(config.model)
-    scenes = follow(presets.flight(preset.trajectory), preset, config.frames, config.seed)
+    scenes = follow(fly(mission.flight.trajectory), mission, config.frames, config.seed)
     say_when_compiling("rendering")
     with progress(f"render ({config.renderer})", len(scenes)) as done:
         images = config.out / f"images-{config.renderer}"

@@ -1,4 +1,4 @@
-"""`proxnav render`: a data set or a sequence, from a preset or a trajectory file."""
+"""`proxnav render`: a data set or a sequence, from a mission or a trajectory file."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.geometry import Camera
+from proxnav.missions import Mission, fly, load_mission
 from proxnav.pipeline import draw_scenes, follow, render
 from proxnav.records import SceneSpec
 from proxnav.sensor.presets import sensor_by_name
@@ -25,14 +25,14 @@ STRENGTHS: dict[Textures, tuple[float, float]] = {"none": (0.0, 0.0), "mild": (0
 
 @dataclass(frozen=True)
 class RenderConfig:
-    """Renders labelled images into a data set folder; the same command resumes. What is None is the preset's."""
+    """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
 
     out: Path
     """Folder of the data set."""
     preset: str = "observation-10-100m"
     """observation-10-100m, study, spiral-10-100m, approach-100-10m or sroc-200-350m."""
     trajectory: tuple[Path, ...] = ()
-    """Trajectory file(s) in place of the preset: docs/trajectories.md"""
+    """Trajectory file(s) in place of the mission's: docs/trajectories.md"""
     reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What the trajectory files do not say themselves."""
     target: str | None = None
@@ -101,26 +101,26 @@ def under_clouds(scenes: list[SceneSpec], picture: Path) -> list[SceneSpec]:
 
 def scenes_of(config: RenderConfig) -> list[SceneSpec]:
     """The scenes that a configuration asks for."""
-    preset = _chosen(config)
-    frames = config.frames or preset.frames
+    mission = _chosen(config)
+    frames = config.frames or mission.frames
     if config.trajectory:
-        return follow(read_trajectory(config.trajectory, config.reader), preset, frames, config.seed, config.size)
-    if preset.trajectory:
-        return follow(presets.flight(preset.trajectory), preset, frames, config.seed, config.size)
-    return draw_scenes(preset, frames, config.seed, config.size)
+        return follow(read_trajectory(config.trajectory, config.reader), mission, frames, config.seed, config.size)
+    if mission.flight.trajectory:
+        return follow(fly(mission.flight.trajectory), mission, frames, config.seed, config.size)
+    return draw_scenes(mission, frames, config.seed, config.size)
 
 
-def _chosen(config: RenderConfig) -> presets.Preset:
-    """The preset with what the command line says otherwise."""
-    preset = presets.preset(config.preset)
-    camera = preset.camera if config.camera is None else Camera.from_speed_json(str(config.camera))
-    sensor = preset.scenes.sensor if config.sensor is None else sensor_by_name(config.sensor)
+def _chosen(config: RenderConfig) -> Mission:
+    """The mission with what the command line says otherwise."""
+    mission = load_mission(config.preset)
+    camera = mission.camera if config.camera is None else Camera.from_speed_json(str(config.camera))
+    sensor = mission.sensor if config.sensor is None else sensor_by_name(config.sensor)
     if config.particles is not None:
         if not 0.0 <= config.particles < 1e6:
             raise InputError(
                 f"--particles {config.particles:g}: give a rate per cm2 and s of 0 or more, below a million"
             )
         sensor = replace(sensor, particle_rate_cm2_s=config.particles)
-    strength = preset.scenes.texture_strength if config.textures is None else STRENGTHS[config.textures]
-    scenes = replace(preset.scenes, sensor=sensor, texture_strength=strength)
-    return replace(preset, target=config.target or preset.target, camera=camera, scenes=scenes)
+    textures = mission.looks.textures if config.textures is None else STRENGTHS[config.textures]
+    looks = replace(mission.looks, textures=textures)
+    return replace(mission, target=config.target or mission.target, camera=camera, sensor=sensor, looks=looks)

@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.many_runs import run_many, single
@@ -15,6 +14,7 @@ from proxnav.commands.simulate_jobs import Flight, FlightJob, write_flight
 from proxnav.errors import InputError
 from proxnav.flight.simulate import SensingConfig
 from proxnav.flight.truth import TruthConfig
+from proxnav.missions import fly, load_mission
 from proxnav.records import Trajectory
 from proxnav.targets.loading import load_target
 from proxnav.trajectories.read import read_trajectory
@@ -32,9 +32,9 @@ class SimulateConfig:
     out: Path
     """Folder of the records."""
     preset: str = "spiral-10-100m"
-    """spiral-10-100m, approach-100-10m, hold-30m or spiral-200-350m."""
+    """spiral-10-100m, approach-100-10m, hold-30m or sroc-200-350m."""
     trajectory: tuple[Path, ...] = ()
-    """Files in place of the preset, docs/trajectories.md."""
+    """Files in place of the mission's, docs/trajectories.md."""
     reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What the trajectory files do not say themselves."""
     target: str = "space-rider"
@@ -68,7 +68,8 @@ def main(argv: list[str]) -> None:
         raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
     reference = cut(_reference(config), config.start_s, config.duration_s)
     target = load_target(config.target)
-    flight = Flight(reference, target, config.camera, config.estimator, config.truth, config.sensing)
+    camera = load_mission(config.preset).camera
+    flight = Flight(reference, target, camera, config.camera, config.estimator, config.truth, config.sensing)
     if config.dry_run:
         print(dry_run(flight, config))
         return
@@ -76,7 +77,7 @@ def main(argv: list[str]) -> None:
         _fly_many(flight, config)
         return
     truth, records = flight.fly(config.seed)
-    write_flight(config.out, truth, records, config)
+    write_flight(config.out, truth, records, flight.lens, config)
     ranges = np.linalg.norm(truth.relative[0], axis=1)
     frames = 0 if records.keypoints is None else len(records.keypoints.t)
     span = f"{truth.t[-1] - truth.t[0]:.0f} s at {ranges.min():.1f} to {ranges.max():.1f} m"
@@ -100,7 +101,7 @@ def dry_run(flight: Flight, config: SimulateConfig) -> str:
     share = reference_s(flight.reference) / reference_s(piece.reference)
 
     def try_one(folder: Path) -> None:
-        write_flight(folder, *piece.fly(config.seed), config)
+        write_flight(folder, *piece.fly(config.seed), flight.lens, config)
 
     estimate = of_runs(try_one, share * config.runs, config.workers)
     return estimate.text(f"{config.runs} flight(s) of {reference_s(flight.reference):.0f} s")
@@ -126,4 +127,9 @@ def cut(reference: Trajectory, start_s: float, duration_s: float | None) -> Traj
 def _reference(config: SimulateConfig) -> Trajectory:
     if config.trajectory:
         return read_trajectory([str(path) for path in config.trajectory], config.reader)
-    return presets.flight(config.preset)
+    mission = load_mission(config.preset)
+    if not mission.flight.trajectory:
+        raise InputError(
+            f"mission '{mission.name}' has no trajectory to fly; spiral-10-100m has one, or give --trajectory"
+        )
+    return fly(mission.flight.trajectory)

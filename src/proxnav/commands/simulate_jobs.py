@@ -9,7 +9,6 @@ from typing import Literal
 
 import numpy as np
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.closed_loop import ClosedLoopConfig, closed_loop, frame_times
 from proxnav.cluster.carried import Carried
@@ -18,6 +17,7 @@ from proxnav.datasets.sensor_records.files import write_records
 from proxnav.flight.simulate import SensingConfig, SimulationConfig, sense, simulate
 from proxnav.flight.truth import Truth, TruthConfig, simulate_truth
 from proxnav.flight.truth_files import true_states, write_truth
+from proxnav.geometry import Camera
 from proxnav.geometry.camera_files import speed_json
 from proxnav.navigation.config import NavigationConfig
 from proxnav.records import SensorRecords, Trajectory
@@ -34,6 +34,7 @@ class Flight:
 
     reference: Trajectory
     target: Target
+    lens: Camera
     camera: Literal["model", "raycast"]
     estimator: str
     truth: TruthConfig
@@ -43,7 +44,7 @@ class Flight:
 
     def fly(self, seed: int, told: Callable[[str, int], Told] = progress) -> tuple[Truth, SensorRecords]:
         """Truth and records; `told` is asked whom to tell of each frame of a closed loop."""
-        rng, camera = np.random.default_rng(seed), presets.NAVIGATION_CAMERA
+        rng, camera = np.random.default_rng(seed), self.lens
         if self.camera == "model":
             return simulate(self.reference, self.target, camera, SimulationConfig(self.truth, self.sensing), rng)
         truth = simulate_truth(self.reference, replace(self.truth, camera_up="zenith"), rng)
@@ -53,11 +54,11 @@ class Flight:
             return truth, closed_loop(truth, deaf, camera, NavigationConfig(), loop, done)
 
 
-def write_flight(folder: Path, truth: Truth, records: SensorRecords, options: object) -> None:
+def write_flight(folder: Path, truth: Truth, records: SensorRecords, camera: Camera, options: object) -> None:
     """Records, truth, camera and, last, config.json of the options that it was flown with."""
     write_records(folder, records)
     write_truth(folder / "truth.csv", true_states(truth, max(1, round(1.0 / truth.step_s))))
-    write_json(folder / "camera.json", speed_json(presets.NAVIGATION_CAMERA), indent=1)
+    write_json(folder / "camera.json", speed_json(camera), indent=1)
     write_json(folder / "config.json", run_record(options), indent=1)
 
 
@@ -87,4 +88,4 @@ class _Fly:
     def __call__(self, run: Named) -> Carried:
         options = run[1]
         truth, records = self.flight.fly(options.seed, lambda job, total: nullcontext(lambda: None))
-        return files_of(lambda folder: write_flight(folder, truth, records, options))
+        return files_of(lambda folder: write_flight(folder, truth, records, self.flight.lens, options))

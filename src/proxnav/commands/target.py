@@ -61,11 +61,12 @@ def main(argv: list[str]) -> None:
 def show(config: Show) -> None:
     """Prints and draws an existing target."""
     from proxnav.commands.target_accuracy import accuracy_table
+    from proxnav.missions import load_mission
     from proxnav.targets.loading import load_target
 
     target = load_target(config.target)
     print(description(target))
-    print(accuracy_table(target))
+    print(accuracy_table(target, load_mission("observation-10-100m").camera))
     if config.out is not None:
         draw(target, config.out, config.size)
 
@@ -73,6 +74,7 @@ def show(config: Show) -> None:
 def new(config: New) -> None:
     """Makes a target, writes it, and says what deserves a second look."""
     from proxnav.commands.target_accuracy import accuracy_table
+    from proxnav.missions import load_mission
     from proxnav.targets.cad.from_mesh import from_mesh
     from proxnav.targets.keypoints.point_files import load_points
     from proxnav.targets.loading import save_target
@@ -94,7 +96,7 @@ def new(config: New) -> None:
     draw(target, config.out / "preview.png", 480)
     for sentence in second_looks(target):
         print(f"look: {sentence}")
-    print(accuracy_table(target))
+    print(accuracy_table(target, load_mission("observation-10-100m").camera))
     print(f"target in {path}; use it with --target {config.out}")
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 from jaxtyping import Float
 
-from proxnav import presets
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.pose.solve.crlb import cramer_rao_white
@@ -19,7 +18,7 @@ def ranges_for(target: Target) -> tuple[float, ...]:
     return tuple(r * max(1.0, float(np.ceil(target.radius_m / 10.0))) for r in RANGES_M)
 
 
-def accuracy_table(target: Target, camera: Camera = presets.NAVIGATION_CAMERA, seed: int = 0) -> str:
+def accuracy_table(target: Target, camera: Camera, seed: int = 0) -> str:
     """Medians over random attitudes, each visible keypoint known to 1 px per axis."""
     lines = [
         f"best possible accuracy (Cramer-Rao bound, visible keypoints known to 1 px, camera of {camera.width} px, "

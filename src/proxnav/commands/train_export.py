@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
 from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
@@ -20,6 +19,7 @@ from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.learning.alignment_calibration import KEPT, Samples, calibrated
 from proxnav.learning.crops import BEHIND_M
+from proxnav.missions import Mission, load_mission
 from proxnav.pipeline import draw_scenes
 from proxnav.pose.align import AlignConfig
 from proxnav.targets.loading import GENERATED, load_target, save_target
@@ -105,8 +105,8 @@ def without_target(config: ExportConfig, estimator: PoseEstimator) -> float:
     return min(best + 0.01, 0.99) if best > 0.0 else 0.0
 
 
-def _preset(config: ExportConfig) -> presets.Preset:
-    return replace(presets.preset("observation-10-100m"), target=config.target)
+def _preset(config: ExportConfig) -> Mission:
+    return replace(load_mission("observation-10-100m"), target=config.target)
 
 
 def calibrate(config: ExportConfig, estimator: PoseEstimator) -> float:

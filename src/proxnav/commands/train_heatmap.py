@@ -8,7 +8,6 @@ import numpy as np
 import tyro
 from torch import nn
 
-from proxnav import presets
 from proxnav.detection.heatmap.train import (
     TrainFinderConfig,
     TrainHeatmapConfig,
@@ -19,11 +18,13 @@ from proxnav.detection.heatmap.train import (
 from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.errors import InputError
 from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, sample_source
+from proxnav.missions import load_mission
 from proxnav.storage.files import write_json
 from proxnav.storage.run_record import run_record
 from proxnav.targets.loading import load_target
 
 _VALIDATION_SEED = 7_000_001
+_MISSION = "observation-10-100m"
 
 
 @dataclass(frozen=True)
@@ -74,13 +75,14 @@ def crop(argv: list[str]) -> None:
     """Entry of `proxnav train heatmap`."""
     options = tyro.cli(TrainCropOptions, args=argv, prog="proxnav train heatmap")
     _check_side(options.side)
-    crops = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
+    mission = replace(load_mission(_MISSION), target=options.target)
+    crops = CropConfig(mission.training_mission, options.side, seed=options.seed)
     training = _for_target(options.training, options.target)
     if options.dry_run:
         print(dry_run(CropJob(crops), training, train_heatmap, options))
         return
     write_json(options.out / "config.json", run_record(options), indent=1)
-    validate = _validation(replace(crops, seed=_VALIDATION_SEED, scenes=presets.OBSERVATION), options.validation)
+    validate = _validation(replace(crops, seed=_VALIDATION_SEED, mission=mission), options.validation)
     source = sample_source(CropJob(crops), options.workers, options.repeats)
     result = train_heatmap(training, source, options.out, validate)
     print(f"{result.reason}: {result.samples} crops seen, best validation {result.best_score:.3f} px; {result.weights}")
@@ -90,7 +92,8 @@ def finder(argv: list[str]) -> None:
     """Entry of `proxnav train finder`."""
     options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
     _check_side(options.side)
-    frames = CropConfig(options.target, options.side, scenes=presets.TRAINING, seed=options.seed)
+    mission = replace(load_mission(_MISSION), target=options.target)
+    frames = CropConfig(mission.training_mission, options.side, seed=options.seed)
     if options.dry_run:
         print(dry_run(WholeFrameJob(frames), options.training, train_finder, options))
         return

@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 import tyro
 
-from proxnav import presets
 from proxnav.cli.progress import progress
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.datasets.shards import is_sharded, read_index
@@ -29,6 +28,7 @@ from proxnav.estimator import write_model_card
 from proxnav.images.tones import grey_8_bit
 from proxnav.learning.crops import CropConfig, MixedJob, WholeFrameJob, sample_source
 from proxnav.learning.rcnn_validation import fresh_frames, kept_aside, mean_e_c
+from proxnav.missions import Mission, load_mission
 from proxnav.storage.files import write_json
 from proxnav.storage.run_record import run_record
 from proxnav.targets.loading import load_target
@@ -183,8 +183,12 @@ def _reader_job(options: TrainRcnnOptions) -> Callable[[], Callable[[int], Train
     return lambda: lambda index: _reader(dataset)(index % len(dataset))
 
 
+def _mission(options: TrainRcnnOptions) -> Mission:
+    return replace(load_mission("observation-10-100m"), target=options.target)
+
+
 def _crops(options: TrainRcnnOptions) -> MixedJob:
-    return MixedJob(CropConfig(options.target, 160, scenes=presets.TRAINING, seed=5), options.side)
+    return MixedJob(CropConfig(_mission(options).training_mission, 160, seed=5), options.side)
 
 
 def _source(options: TrainRcnnOptions) -> SampleSource:
@@ -224,7 +228,7 @@ def _reader(dataset: Dataset) -> Callable[[int], TrainingSample]:
 
 def _calibrate(network: KeypointRcnn, options: TrainRcnnOptions, indices: tuple[int, ...]) -> Calibration:
     """Scale and floor of the covariances, from fresh frames in the size that the network sees."""
-    frames = CropConfig(options.target, options.side, scenes=presets.OBSERVATION, seed=_CALIBRATION_SEED)
+    frames = CropConfig(_mission(options), options.side, seed=_CALIBRATION_SEED)
     make, errors, spreads = WholeFrameJob(frames, empty_share=0.0)(), [], []
     with progress("calibrate", options.calibration) as done:
         for index in range(options.calibration):

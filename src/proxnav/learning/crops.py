@@ -18,10 +18,10 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.images.crop import Crop, resample
 from proxnav.images.tones import as_8_bit
-from proxnav.presets import NAVIGATION_CAMERA, OBSERVATION
+from proxnav.missions import Mission
 from proxnav.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
-from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
+from proxnav.scenes.random_scene import random_scene
 from proxnav.sensor.expose import expose
 from proxnav.sensor.presets import draw_sensor
 from proxnav.targets import Target
@@ -38,11 +38,9 @@ QUICK = RaycastConfig(
 class CropConfig:
     """Which crops of which scenes."""
 
-    target: str = "space-rider"
+    mission: Mission
     side: int = 128
     """Pixels of the network's input."""
-    camera: Camera = NAVIGATION_CAMERA
-    scenes: RandomSceneConfig = OBSERVATION
     margin: tuple[float, float] = (1.05, 1.6)
     """Side of the crop over the longer side of the box, uniform in between: the finder is not exact."""
     shift: float = 0.12
@@ -60,7 +58,7 @@ class CropJob:
     config: CropConfig
 
     def __call__(self) -> Callable[[int], TrainingSample]:
-        config, target = self.config, load_target(self.config.target)
+        config, target = self.config, load_target(self.config.mission.target)
         renderer = RaycastRenderer(target, config.raycast)
 
         def make(index: int) -> TrainingSample:
@@ -79,14 +77,14 @@ class WholeFrameJob:
     empty_share: float = 0.1
 
     def __call__(self) -> Callable[[int], TrainingSample]:
-        config, target = self.config, load_target(self.config.target)
+        config, target = self.config, load_target(self.config.mission.target)
         renderer = RaycastRenderer(target, config.raycast)
 
         def make(index: int) -> TrainingSample:
             scene = _scene(index, config)
             if np.random.default_rng([config.seed, index, 2]).random() < self.empty_share:
                 scene = replace(scene, t_cam_target_m=BEHIND_M)
-            crop = Crop(0, 0, max(config.camera.width, config.camera.height))
+            crop = Crop(0, 0, max(config.mission.camera.width, config.mission.camera.height))
             return _draw(scene, crop, config.side, target, renderer)
 
         return make
@@ -137,10 +135,10 @@ def sample_source(
 
 def _scene(index: int, config: CropConfig) -> SceneSpec:
     """Scene `index`, read by a camera of its own, in the textures of its group."""
-    draw = partial(draw_sensor, base=config.scenes.sensor)
-    scene = random_scene(index, config.seed, config.scenes, config.target, config.camera, draw)
+    draw = partial(draw_sensor, base=config.mission.sensor)
+    scene = random_scene(index, config.seed, config.mission.scenes, config.mission.target, config.mission.camera, draw)
     looks = np.random.default_rng([config.seed, index // config.alike, 3])
-    texture = TextureSpec(looks.uniform(*config.scenes.texture_strength), int(looks.integers(2**31)))
+    texture = TextureSpec(looks.uniform(*config.mission.looks.textures), int(looks.integers(2**31)))
     return replace(scene, texture=texture)
 
 

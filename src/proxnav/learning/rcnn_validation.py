@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from torch import nn
 
-from proxnav import presets
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig
 from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
@@ -16,6 +15,7 @@ from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.pose_errors import pose_errors
 from proxnav.geometry.types import Points
+from proxnav.missions import load_mission
 from proxnav.pipeline import draw_scenes
 
 WITHOUT_POSE = 1.0
@@ -35,8 +35,8 @@ class Labelled:
 def fresh_frames(target: str, count: int, side: int) -> Iterator[Labelled]:
     """Ray-cast frames of `observation-10-100m`, twice as large as the network sees them."""
     make = FrameJob(target, FrameConfig("raycast"))()
-    preset = presets.preset("observation-10-100m")
-    scenes = draw_scenes(preset, count, _SEED, min(2 * side, preset.camera.width))
+    mission = load_mission("observation-10-100m")
+    scenes = draw_scenes(mission, count, _SEED, min(2 * side, mission.camera.width))
     return (Labelled(make(scene).image, scene.camera, scene.T_cam_target) for scene in scenes)
 
 

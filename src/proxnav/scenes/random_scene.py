@@ -97,14 +97,19 @@ def _draw_geometry(
         nadir = quaternion.rotate(q_target_lvlh, _NADIR)
         T_cam_target = draw_view(rng, config.view, camera, q_target_lvlh)
         sun = draw_sun(rng, light, nadir, config.orbit_radius_m)
-        too_oblique = light == "sunlit" and phase_angle(sun, T_cam_target.inverse().t_m) > config.sun.max_phase_rad
+        wrong_phase = light == "sunlit" and not _lit_as_asked(sun, T_cam_target, config.sun)
         wrong_sky = with_earth is not None and sees_earth(T_cam_target, nadir, camera, dip) != with_earth
-        if not (too_oblique or wrong_sky):
+        if not (wrong_phase or wrong_sky):
             return q_target_lvlh, T_cam_target, sun
     raise InputError(
-        f"no scene in {_MAX_TRIES} draws has a phase angle below {config.sun.max_phase_rad:.3g} rad and "
-        f"earth_share {config.earth_share} at this field of view: widen sun.max_phase_rad or set earth_share to None"
+        f"no scene in {_MAX_TRIES} draws has a phase angle between {config.sun.min_phase_rad:.3g} and "
+        f"{config.sun.max_phase_rad:.3g} rad and earth_share {config.earth_share} at this field of view: widen the "
+        "phase angles or set earth_share to None"
     )
+
+
+def _lit_as_asked(sun: SunSpec, T_cam_target: Pose, config: SunConfig) -> bool:
+    return config.min_phase_rad <= phase_angle(sun, T_cam_target.inverse().t_m) <= config.max_phase_rad
 
 
 def _draw_attitude(rng: np.random.Generator, config: RandomSceneConfig) -> QuatWxyz:

@@ -23,8 +23,9 @@ class SunConfig:
 
     umbra_share: float = 0.0
     penumbra_share: float = 0.0
+    min_phase_rad: float = 0.0
     max_phase_rad: float = np.pi
-    """Most angle at the target between Sun and camera in sunlit frames; small is front light, pi is any light."""
+    """Limits of the angle at the target between Sun and camera in sunlit frames: 0 is front light, pi back light."""
 
     def __post_init__(self) -> None:
         if min(self.umbra_share, self.penumbra_share) < 0.0 or self.umbra_share + self.penumbra_share > 1.0:

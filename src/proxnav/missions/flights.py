@@ -1,0 +1,33 @@
+"""Generated trajectories by name."""
+
+from collections.abc import Callable
+
+from proxnav.errors import InputError
+from proxnav.records import Trajectory
+from proxnav.trajectories import (
+    OBSERVATION_10_100_STRICT,
+    SROC_200_350,
+    ApproachConfig,
+    FlightConfig,
+    HoldConfig,
+    hold,
+    straight_approach,
+    walking_safety_ellipse,
+)
+
+DAYLIGHT = FlightConfig(epoch_utc="2024-11-01T00:30:00Z")
+"""The target comes out of Earth's shadow as the flight begins."""
+
+FLIGHTS: dict[str, Callable[[], Trajectory]] = {
+    "spiral-10-100m": lambda: walking_safety_ellipse(OBSERVATION_10_100_STRICT, DAYLIGHT),
+    "spiral-200-350m": lambda: walking_safety_ellipse(SROC_200_350, DAYLIGHT),
+    "approach-100-10m": lambda: straight_approach(ApproachConfig(), DAYLIGHT),
+    "hold-30m": lambda: hold(HoldConfig(), DAYLIGHT),
+}
+
+
+def fly(name: str) -> Trajectory:
+    """The trajectory of that name; InputError lists the others."""
+    if name not in FLIGHTS:
+        raise InputError(f"no trajectory '{name}'; one of {', '.join(FLIGHTS)}, or give a file")
+    return FLIGHTS[name]()

@@ -1,0 +1,130 @@
+"""A mission: which craft is looked at, by which camera, from where, in which light and along which flight.
+
+Degrees stand here because people write and read missions; what is derived from them is in SI and radians.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from proxnav.errors import InputError
+from proxnav.geometry import Camera
+from proxnav.records import SensorSpec
+from proxnav.scenes.random_scene import RandomSceneConfig
+from proxnav.scenes.random_sun import SunConfig
+from proxnav.scenes.random_view import ViewConfig
+
+Span = tuple[float, float]
+"""(least, most) of a uniform distribution."""
+
+
+@dataclass(frozen=True)
+class ViewRanges:
+    """From where the camera looks, and how the target is turned."""
+
+    range_m: Span = (10.0, 100.0)
+    """Distance from the camera to the target's origin [m]."""
+    roll_deg: float | Literal["any"] = "any"
+    """Most roll of the camera about its axis, away from the local zenith up in the picture [deg]."""
+    attitude: Literal["lvlh", "any"] = "lvlh"
+    """lvlh: the target holds its axes along the flight and to nadir; any: uniform over all attitudes."""
+    partial: float = 0.1
+    """Share of frames in which the edge of the picture may cut the target."""
+    framing_radius_m: float = 5.0
+    """Radius about the target's origin that stays inside the picture in the other frames [m]."""
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """Where the Sun stands."""
+
+    phase_deg: Span = (0.0, 180.0)
+    """Angle at the target between Sun and camera in sunlit frames [deg]: 0 is front light."""
+    penumbra: float = 0.0
+    """Share of frames in Earth's half-shadow."""
+    umbra: float = 0.0
+    """Share of frames in Earth's shadow."""
+
+
+@dataclass(frozen=True)
+class Looks:
+    """What varies from frame to frame beside geometry and light."""
+
+    earth: float | Literal["any", "none"] = "any"
+    """Share of frames with Earth in the picture; any leaves it to the geometry, none is a black sky without it."""
+    clouds: Span = (0.2, 0.8)
+    """Cloud cover of Earth."""
+    textures: Span = (0.0, 0.3)
+    """How far the target's surfaces depart from nominal: 0 not at all, 1 fully random."""
+
+
+@dataclass(frozen=True)
+class Flight:
+    """The flight, where frames are those of a trajectory instead of independent draws."""
+
+    trajectory: str = ""
+    """Name of a generated trajectory; empty for independent frames."""
+
+
+@dataclass(frozen=True)
+class TrainingRanges:
+    """What training draws from instead of the mission's own ranges: wider, so that the mission lies well inside."""
+
+    phase_deg: Span | None = None
+    """As in [light]; the mission's own when absent."""
+    textures: Span | None = None
+    """As in [looks]; the mission's own when absent."""
+
+
+@dataclass(frozen=True)
+class Mission:
+    """Everything that a chain must agree on."""
+
+    name: str
+    camera: Camera
+    sensor: SensorSpec
+    target: str = "space-rider"
+    """Name of a shipped target, or its file or folder."""
+    frames: int = 100
+    """Frames of a data set when nobody says how many."""
+    view: ViewRanges = field(default_factory=ViewRanges)
+    light: Lighting = field(default_factory=Lighting)
+    looks: Looks = field(default_factory=Looks)
+    flight: Flight = field(default_factory=Flight)
+    training: TrainingRanges = field(default_factory=TrainingRanges)
+
+    def __post_init__(self) -> None:
+        if self.frames < 1:
+            raise InputError(f"mission {self.name}: frames must be at least 1, found {self.frames}")
+        for name, (low, high) in (("light.phase_deg", self.light.phase_deg), ("looks.textures", self.looks.textures)):
+            if not 0.0 <= low <= high:
+                raise InputError(f"mission {self.name}: {name} needs 0 <= least <= most, found {low:g} and {high:g}")
+
+    @property
+    def scenes(self) -> RandomSceneConfig:
+        """The distribution of the mission's frames, where they are drawn one by one."""
+        view, light, looks = self.view, self.light, self.looks
+        low, high = (math.radians(angle) for angle in light.phase_deg)
+        return RandomSceneConfig(
+            view=ViewConfig(
+                range_m=view.range_m,
+                roll_limit_rad=math.pi if view.roll_deg == "any" else math.radians(view.roll_deg),
+                partial_share=view.partial,
+                target_radius_m=view.framing_radius_m,
+            ),
+            sun=SunConfig(light.umbra, light.penumbra, min_phase_rad=low, max_phase_rad=high),
+            tumbling_share=1.0 if view.attitude == "any" else 0.0,
+            earth=looks.earth != "none",
+            earth_share=None if isinstance(looks.earth, str) else looks.earth,
+            cloud_cover=looks.clouds,
+            texture_strength=looks.textures,
+            sensor=self.sensor,
+        )
+
+    @property
+    def training_mission(self) -> "Mission":
+        """The mission that training frames are drawn from."""
+        wider = self.training
+        light = self.light if wider.phase_deg is None else replace(self.light, phase_deg=wider.phase_deg)
+        looks = self.looks if wider.textures is None else replace(self.looks, textures=wider.textures)
+        return replace(self, light=light, looks=looks)

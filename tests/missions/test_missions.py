@@ -1,0 +1,92 @@
+"""Missions: shipped ones, their TOML, and what is derived from them."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from proxnav.errors import InputError
+from proxnav.missions import Mission, load_mission, write_mission
+from proxnav.missions.files import mission_toml, parse_mission, shipped_missions
+from proxnav.missions.flights import FLIGHTS
+from proxnav.sensor.presets import SPEED_CLASS
+
+OBSERVATION = load_mission("observation-10-100m")
+
+
+@pytest.mark.parametrize("name", shipped_missions())
+def test_a_shipped_mission_is_called_as_its_file_and_flies_what_exists(name: str) -> None:
+    mission = load_mission(name)
+    assert mission.name == name
+    assert mission.flight.trajectory in ("", *FLIGHTS)
+
+
+@pytest.mark.parametrize("name", shipped_missions())
+def test_a_mission_written_as_toml_reads_back_equal(name: str, tmp_path: Path) -> None:
+    mission = replace(
+        load_mission(name), sensor=replace(SPEED_CLASS, read_noise_e=9.5, quantum_efficiency=(0.1, 0.2, 0.3))
+    )
+    write_mission(tmp_path / "own.toml", mission)
+    assert load_mission(tmp_path / "own.toml") == mission
+
+
+def test_a_sensor_of_no_name_is_written_in_full(tmp_path: Path) -> None:
+    mission = replace(OBSERVATION, sensor=replace(SPEED_CLASS, name="my-camera", bits=12))
+    write_mission(tmp_path / "own.toml", mission)
+    assert load_mission(tmp_path / "own.toml").sensor == mission.sensor
+
+
+def test_degrees_become_radians_and_words_become_limits() -> None:
+    scenes = OBSERVATION.scenes
+    assert scenes.view.roll_limit_rad == np.radians(30.0)
+    assert (scenes.sun.min_phase_rad, scenes.sun.max_phase_rad) == (0.0, np.radians(90.0))
+    free = replace(OBSERVATION, view=replace(OBSERVATION.view, roll_deg="any", attitude="any")).scenes
+    assert (free.view.roll_limit_rad, free.tumbling_share) == (np.pi, 1.0)
+    assert not replace(OBSERVATION, looks=replace(OBSERVATION.looks, earth="none")).scenes.earth
+
+
+def test_training_is_wider_than_the_mission_and_alike_in_the_rest() -> None:
+    wider = OBSERVATION.training_mission
+    assert wider.light.phase_deg == (0.0, 110.0)
+    assert wider.looks.textures == (0.0, 1.0)
+    assert replace(wider, light=OBSERVATION.light, looks=OBSERVATION.looks) == OBSERVATION
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("name = 3", "name must be text, found 3"),
+        ("[view]\nrange = [1.0, 2.0]", "view: unknown key 'range'; did you mean range_m"),
+        ("[view]\nrange_m = [1.0]", "view: range_m must be an array of 2 numbers, found"),
+        ("[view]\nroll_deg = 'some'", "roll_deg must be a number or 'any', found 'some'"),
+        ("[view]\nrange_m = [5.0, 1.0]", "range_m needs 0 < least <= most"),
+        ("[light]\nphase_deg = [90.0, 10.0]", "light.phase_deg needs 0 <= least <= most"),
+        ("[training]\nphase_deg = true", "training: phase_deg must be"),
+        ("[camera]\nwidth = 10", "height, fx, fy, cx, cy missing"),
+        ("camera = 3", "no table .camera."),
+        ("frames = 0", "frames must be at least 1"),
+        ("[camera]\nsensor = 'eye'", "no sensor 'eye'"),
+    ],
+)
+def test_a_mission_with_a_fault_is_refused_in_a_sentence(change: str, said: str) -> None:
+    content = tomllib.loads(mission_toml(OBSERVATION))
+    for key, value in tomllib.loads(change).items():
+        whole = (isinstance(value, dict) and key != "camera") or "sensor" in str(value)
+        content[key] = content[key] | value if whole else value
+    with pytest.raises(InputError, match=said):
+        parse_mission(content, "own.toml").scenes  # noqa: B018
+
+
+def test_a_name_that_is_no_mission_lists_those_that_are(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no mission 'observation'; one of .*observation-10-100m.*or a TOML file"):
+        load_mission("observation")
+    (tmp_path / "broken.toml").write_text("name =")
+    with pytest.raises(InputError, match=r"broken.toml: not readable as TOML"):
+        load_mission(tmp_path / "broken.toml")
+
+
+def test_a_mission_is_a_value() -> None:
+    assert isinstance(OBSERVATION, Mission)
+    assert hash(OBSERVATION) == hash(load_mission("observation-10-100m"))
