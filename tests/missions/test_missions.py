@@ -87,6 +87,14 @@ def test_a_name_that_is_no_mission_lists_those_that_are(tmp_path: Path) -> None:
         load_mission(tmp_path / "broken.toml")
 
 
+def test_the_mission_of_the_documentation_is_one_and_the_table_there_lists_those_that_are_shipped() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "missions.md").read_text()
+    content = tomllib.loads(page.split("```toml\n")[1].split("```")[0])
+    assert parse_mission(content, "missions.md").view.attitude == "any"
+    rows = page.split("## Shipped")[1].splitlines()
+    assert {row.split("`")[1] for row in rows if row.startswith("| `")} == set(shipped_missions())
+
+
 def test_a_mission_is_a_value() -> None:
     assert isinstance(OBSERVATION, Mission)
     assert hash(OBSERVATION) == hash(load_mission("observation-10-100m"))
