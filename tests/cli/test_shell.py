@@ -7,20 +7,15 @@ import sys
 
 import pytest
 
-from proxnav.cli.commands import COMMANDS
-from proxnav.cli.help_pages import folded
+from proxnav.cli.commands import every_command
 from proxnav.cli.main import main
+from proxnav.cli.parser import config_of, every_option, function_of
 
 SCREEN = 50  # lines of a terminal of 100 columns at its usual height, full screen
-NESTED = (
-    "train heatmap", "train finder", "train export", "train keypoint-rcnn", "benchmark table1", "benchmark navigation",
-    "benchmark scale", "target new",
-)  # fmt: skip
-PLAIN = [name for name in COMMANDS if name not in ("train", "benchmark", "target")]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", [*PLAIN, *NESTED])
+@pytest.mark.parametrize("command", [*every_command()])
 def test_help_fits_a_screen_and_shows_defaults(command: str, capsys, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     assert main([*command.split(), "--help"]) == 0
@@ -39,9 +34,18 @@ def test_nested_groups_are_named_and_shown_on_request(capsys, monkeypatch) -> No
     assert "--reader.epoch-utc" in capsys.readouterr().out
 
 
-def test_a_page_without_groups_is_left_alone() -> None:
-    page = "usage: x\n\n╭─ options ─╮\n│ --a INT   │\n╰───────────╯\n"
-    assert folded(page, "x") == page
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*every_command()])
+def test_completion_offers_what_the_full_help_explains(name: str, capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    assert main([*name.split(), "--help-all"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    explained = {
+        flag for line in lines for flag in re.findall(r"--[a-z][\w.-]*", line) if re.match(r"[│ ] (-h, )?--", line)
+    }
+    options = every_option(config_of(function_of(every_command()[name])))
+    offered = {flag for option in options for flag in option.flags}
+    assert offered | {"--help"} == explained
 
 
 @pytest.mark.parametrize("variable", [None, "NO_COLOR"])
@@ -90,7 +94,7 @@ def test_bash_completes(script: str, line: str, offered: set[str]) -> None:
 
 @pytest.mark.slow
 def test_fish_lines_name_every_command_and_choice() -> None:
-    from proxnav.commands.completion import fish
+    from proxnav.cli.completion import fish
 
     words = {
         "": ["view"],

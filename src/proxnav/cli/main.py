@@ -1,20 +1,21 @@
-"""The command line: finds the command's module and hands over; nothing else is imported before that."""
+"""The command line: finds the command's function and hands its options over; nothing else is imported before that."""
 
 import os
 import sys
-from collections.abc import Callable
-from importlib import import_module
+from collections.abc import Mapping
 
-from proxnav.cli.commands import COMMANDS
-from proxnav.cli.help_pages import FULL, captured, folded
+from proxnav.cli.commands import COMMANDS, Command, Group
 
+_HELP = {"-h", "--help"}
 _RESUMABLE = {"demo", "render", "train", "benchmark", "setup"}
+_EXTRAS = {"torch": "train", "torchvision": "train", "lightning": "train"}
+"""What is imported without being caught where it is used, and the extra that brings it."""
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs `proxnav COMMAND ...` and returns the exit status: 0 done, 1 bad input, 2 wrong usage, 130 interrupted."""
     argv = sys.argv[1:] if argv is None else argv
-    if not argv or argv[0] in ("-h", "--help"):
+    if not argv or argv[0] in _HELP:
         print(_overview())
         return 0
     if argv[0] == "--version":
@@ -28,17 +29,17 @@ def main(argv: list[str] | None = None) -> int:
     return _run(argv[0], argv[1:])
 
 
-def _run(command: str, argv: list[str]) -> int:
+def _run(name: str, argv: list[str]) -> int:
     from proxnav.errors import InputError
 
     try:
-        _call(command, argv)
+        _choose(name, argv)
     except InputError as error:
-        print(f"proxnav {command}: {error}", file=sys.stderr)
+        print(f"proxnav {name}: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        resumes = "; the same command resumes it" if command in _RESUMABLE else ""
-        print(f"proxnav {command}: interrupted{resumes}", file=sys.stderr)
+        resumes = "; the same command resumes it" if name in _RESUMABLE else ""
+        print(f"proxnav {name}: interrupted{resumes}", file=sys.stderr)
         return 130
     except BrokenPipeError:  # the reader of our output, such as `head`, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -46,39 +47,75 @@ def _run(command: str, argv: list[str]) -> int:
         if error.filename is None:
             raise
         reason = f"{error.filename}: {error.strerror}; check the path and its permissions"
-        print(f"proxnav {command}: {reason}", file=sys.stderr)
+        print(f"proxnav {name}: {reason}", file=sys.stderr)
+        return 1
+    except ModuleNotFoundError as error:
+        if error.name not in _EXTRAS:
+            raise
+        print(f"proxnav {name}: needs {error.name}: pip install 'proxnav[{_EXTRAS[error.name]}]'", file=sys.stderr)
         return 1
     return 0
 
 
-def _call(command: str, argv: list[str]) -> None:
+def _choose(name: str, argv: list[str]) -> None:
+    """Calls the command, or the one of its group that the next word names."""
+    from proxnav.errors import InputError
+
+    entry = COMMANDS[name]
+    if isinstance(entry, Command):
+        _call(entry, name, argv)
+    elif not argv or argv[0] in _HELP:
+        print(_group_overview(name, entry))
+    elif argv[0] not in entry.commands:
+        raise InputError(f"'{argv[0]}' is not one of {', '.join(entry.commands)}")
+    else:
+        _call(entry.commands[argv[0]], f"{name} {argv[0]}", argv[1:])
+
+
+def _call(command: Command, name: str, argv: list[str]) -> None:
     """Hands over; words that are URLs become folders here while the command runs."""
-    run = import_module(f"proxnav.commands.{command}").main
-    if {"-h", "--help", FULL} & set(argv):
-        return _explain(run, command, argv)
+    from proxnav.cli.help_pages import FULL, explain
+    from proxnav.cli.parser import config_of, function_of, parsed
+
+    function = function_of(command)
+    kind = config_of(function)
+    if {*_HELP, FULL} & set(argv):
+        return explain(kind, name, FULL in argv)
+    _refuse_renamed(command, argv)
     if not any("://" in word for word in argv):
-        return run(argv)
+        return function(parsed(kind, argv, name))
     from proxnav.cli.remote import localised
 
     with localised(argv) as words:
-        return run(words)
+        return function(parsed(kind, words, name))
 
 
-def _explain(run: Callable[[list[str]], None], command: str, argv: list[str]) -> None:
-    """The command's help, one screen of it unless all of it is asked for."""
-    page = captured(run, [word for word in argv if word not in ("-h", "--help", FULL)])
-    name = " ".join([command, *(word for word in argv[:1] if not word.startswith("-"))])
-    print(page if FULL in argv else folded(page, name), end="")
+def _refuse_renamed(command: Command, argv: list[str]) -> None:
+    from proxnav.errors import InputError
+
+    for former, present in command.renamed.items():
+        if any(word == former or word.startswith(f"{former}=") for word in argv):
+            raise InputError(f"{former} is now {present}")
 
 
 def _overview() -> str:
-    width = max(map(len, COMMANDS))
-    rows = "\n".join(f"  {name:<{width}}  {job}" for name, job in COMMANDS.items())
     return (
         "usage: proxnav COMMAND [options]\n\nRelative navigation of spacecraft from one camera.\n\n"
-        f"{rows}\n\n'proxnav COMMAND --help' explains one. Exit status: 0 done, 1 bad input, 2 wrong usage, "
-        "130 interrupted."
+        f"{_table(COMMANDS)}\n\n'proxnav COMMAND --help' explains one. Exit status: 0 done, 1 bad input, "
+        "2 wrong usage, 130 interrupted."
     )
+
+
+def _group_overview(name: str, group: Group) -> str:
+    return (
+        f"usage: proxnav {name} WHICH [options]\n\n{_table(group.commands)}\n\n"
+        f"'proxnav {name} WHICH --help' lists the options of one."
+    )
+
+
+def _table(entries: Mapping[str, Command | Group]) -> str:
+    width = max(map(len, entries))
+    return "\n".join(f"  {name:<{width}}  {entry.job}" for name, entry in entries.items())
 
 
 if __name__ == "__main__":

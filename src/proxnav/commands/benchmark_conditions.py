@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tyro
 
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, check_workers, run_anywhere
@@ -57,9 +56,8 @@ class ConditionsConfig:
     """Folder for conditions.json."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: ConditionsConfig) -> None:
     """Entry of `proxnav benchmark conditions`."""
-    config = tyro.cli(ConditionsConfig, args=argv, prog="proxnav benchmark conditions")
     if config.frames < 1 or config.empty < 0:
         raise InputError(f"the benchmark needs 1 frame or more, found {config.frames}")
     check_workers(config.workers, config.on)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tyro
 
 from proxnav.benchmarks.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
 from proxnav.cli.progress import progress
@@ -54,9 +53,8 @@ class DetectorBenchmarkConfig:
     """Only say what time and disk it would take, tried on a little of it."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: DetectorBenchmarkConfig) -> None:
     """Entry of `proxnav benchmark detector`."""
-    config = tyro.cli(DetectorBenchmarkConfig, args=argv, prog="proxnav benchmark detector")
     if not config.step_s >= 1.0 or not config.burst_every_s >= config.step_s or config.burst < 0:
         raise InputError("--step-s must be at least 1, --burst-every-s at least --step-s and --burst at least 0")
     check_workers(config.workers, config.on)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tyro
 
 from proxnav.cli.progress import progress
 from proxnav.detection.sessions import Backend
@@ -42,9 +41,8 @@ class LatencyConfig:
     """Folder for latency.json."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: LatencyConfig) -> None:
     """Entry of `proxnav benchmark latency`."""
-    config = tyro.cli(LatencyConfig, args=argv, prog="proxnav benchmark latency")
     if config.frames < 2 or config.reference_frames < 0:
         raise InputError(f"the benchmark needs 2 frames or more, found {config.frames}")
     if config.dry_run:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import tyro
 
 from proxnav.benchmarks.filter_speed import measure_speed
 from proxnav.benchmarks.monte_carlo import Case, RunJob, RunResult, judge_fault, summarise
@@ -57,9 +56,8 @@ class NavigationBenchmarkConfig:
     """Folder for navigation_<part>.json, and runs/ with every run, from which an interrupted benchmark goes on."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: NavigationBenchmarkConfig) -> None:
     """Entry of `proxnav benchmark navigation`."""
-    config = tyro.cli(NavigationBenchmarkConfig, args=argv, prog="proxnav benchmark navigation")
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # the workers' own: one core each
     if config.dry_run:

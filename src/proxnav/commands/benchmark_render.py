@@ -6,8 +6,6 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import tyro
-
 from proxnav.cli.progress import progress
 from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
@@ -43,9 +41,8 @@ class RenderBenchmarkConfig:
     """Folder for render.json."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: RenderBenchmarkConfig) -> None:
     """Entry of `proxnav benchmark render`."""
-    config = tyro.cli(RenderBenchmarkConfig, args=argv, prog="proxnav benchmark render")
     if config.frames < 1 or not config.sizes:
         raise InputError("--frames must be at least 1 and --sizes name at least one side")
     if config.dry_run:

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import tyro
-
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, check_place, run_anywhere
 from proxnav.cluster.local import run_in_processes
@@ -92,9 +90,8 @@ class _Signed:
         return lambda item: (name, work(item))
 
 
-def main(argv: list[str]) -> None:
+def run(config: ScaleBenchmarkConfig) -> None:
     """Entry of `proxnav benchmark scale`."""
-    config = tyro.cli(ScaleBenchmarkConfig, args=argv, prog="proxnav benchmark scale")
     for place in config.on:
         check_place(place)
     if config.frames < 10 or not config.workers or min(config.workers) < 1 or not config.on:

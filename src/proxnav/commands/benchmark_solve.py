@@ -5,8 +5,6 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-import tyro
-
 from proxnav.benchmarks.solve import benchmark_solve
 from proxnav.errors import InputError
 from proxnav.storage.files import write_json
@@ -26,9 +24,8 @@ class SolveBenchmarkConfig:
     """Folder for solve.json."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: SolveBenchmarkConfig) -> None:
     """Entry of `proxnav benchmark solve`."""
-    config = tyro.cli(SolveBenchmarkConfig, args=argv, prog="proxnav benchmark solve")
     if config.cases < 1 or config.seed < 0:
         raise InputError(
             f"the benchmark needs at least 1 case and a seed from 0 on, found {config.cases}, {config.seed}"

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import tyro
 
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL
@@ -46,9 +45,8 @@ class Table1Config:
     """Print one JSON object instead of the tables."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: Table1Config) -> None:
     """Entry of `proxnav benchmark table1`."""
-    config = tyro.cli(Table1Config, args=argv, prog="proxnav benchmark table1")
     estimator = PoseEstimator.load(config.model, config.backend)
     mission = load_mission(config.preset)
     mission = mission if config.target is None else replace(mission, target=config.target)

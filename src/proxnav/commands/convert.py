@@ -59,11 +59,6 @@ class ConvertConfig:
     """What trajectory files leave open."""
 
 
-def main(argv: list[str]) -> None:
-    """Runs `proxnav convert`."""
-    run(tyro.cli(ConvertConfig, args=argv, prog="proxnav convert"))
-
-
 def run(config: ConvertConfig) -> None:
     """Reads, converts, writes, and says what was written and what the format could not hold."""
     if config.to not in (*_FLIGHTS, *WRITERS, "shards"):

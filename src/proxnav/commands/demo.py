@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import tyro
-
 from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.commands.estimate import find_images, observe_images
 from proxnav.errors import InputError
@@ -32,11 +30,6 @@ class DemoConfig:
     model: str = "space-rider"
     """Name of a shipped model, or a folder with a model.json."""
     seed: int = 0
-
-
-def main(argv: list[str]) -> None:
-    """Entry of `proxnav demo`."""
-    run(tyro.cli(DemoConfig, args=argv, prog="proxnav demo"))
 
 
 def run(config: DemoConfig) -> None:

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import tyro
 
+from proxnav.cli.options import WorkerOptions
 from proxnav.cli.progress import progress, say_when_compiling
-from proxnav.cluster.jobs import POOL, check_workers
+from proxnav.cluster.jobs import POOL
 from proxnav.commands.estimate_jobs import bad_image, estimate_anywhere, observe
 from proxnav.datasets.formats.speed_poses import PoseRecord, write_poses
 from proxnav.datasets.set.dataset import Dataset
@@ -25,7 +26,7 @@ _IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm"}
 
 
 @dataclass(frozen=True)
-class EstimateConfig:
+class EstimateConfig(WorkerOptions):
     """Estimates the pose of the target in every image and writes poses.json (SPEED+ keys, status, covariance)."""
 
     input: Annotated[Path, tyro.conf.Positional]
@@ -40,18 +41,12 @@ class EstimateConfig:
     """What runs the network."""
     threads: int = 0
     """For the network; 0 takes all cores."""
-    workers: int = 1
-    """Processes of one thread each; on a Ray cluster, 0 takes every processor."""
-    on: str = POOL
-    """pool (processes of this machine), ray, or ray://host:port."""
     dry_run: bool = False
     """Only say what time and disk it would take, tried on a little of it."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: EstimateConfig) -> None:
     """Entry of `proxnav estimate`."""
-    config = tyro.cli(EstimateConfig, args=argv, prog="proxnav estimate")
-    check_workers(config.workers, config.on)
     check_new_file(config.out)
     images = find_images(config.input)
     camera = Camera.from_speed_json(str(config.camera or _camera_of(config.input)))

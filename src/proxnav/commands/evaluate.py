@@ -20,11 +20,6 @@ class EvaluateConfig:
     """Print one JSON object instead of the tables."""
 
 
-def main(argv: list[str]) -> None:
-    """Runs `proxnav evaluate`."""
-    run(tyro.cli(EvaluateConfig, args=argv, prog="proxnav evaluate"))
-
-
 def run(config: EvaluateConfig) -> None:
     """Reads, compares, prints."""
     from proxnav.datasets.formats import read_pose_records

@@ -9,9 +9,10 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from proxnav.cli.options import WorkerOptions
 from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.cluster.carried import Carried
-from proxnav.cluster.jobs import POOL, check_workers, is_elsewhere
+from proxnav.cluster.jobs import is_elsewhere
 from proxnav.commands.many_runs import Named, run_many
 from proxnav.commands.navigate_jobs import Solved, SolveJob, Solving, accuracy, solve_flight
 from proxnav.errors import InputError
@@ -22,7 +23,7 @@ from proxnav.targets.loading import load_target
 
 
 @dataclass(frozen=True)
-class NavigateConfig:
+class NavigateConfig(WorkerOptions):
     """Runs the filter over a records folder: solution.csv and .parquet, summary.json.
 
     Where truth is known also errors, and errors.png that shows them in three standard deviations. A folder of flights
@@ -43,19 +44,13 @@ class NavigateConfig:
     """Between rows of the solution."""
     smooth: bool = False
     """Also write smoothed.csv: every state from all measurements, earlier and later."""
-    workers: int = 1
-    """Processes, for a folder of folders; on a Ray cluster, 0 takes every processor."""
-    on: str = POOL
-    """pool (processes of this machine), ray, or ray://host:port."""
     dry_run: bool = False
     """Only say what time and disk it would take, tried on one flight."""
     filter: NavigationConfig = field(default_factory=NavigationConfig)
 
 
-def main(argv: list[str]) -> None:
+def run(config: NavigateConfig) -> None:
     """Entry of `proxnav navigate`."""
-    config = tyro.cli(NavigateConfig, args=argv, prog="proxnav navigate")
-    check_workers(config.workers, config.on)
     if not config.step_s > 0.0:
         raise InputError(f"--step-s must be positive, found {config.step_s:g}")
     camera = None if config.camera is None else Camera.from_speed_json(str(config.camera))

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import tyro
 
+from proxnav.cli.options import WorkerOptions
 from proxnav.cli.progress import progress, say_when_compiling
-from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.geometry import Camera
@@ -24,7 +24,7 @@ STRENGTHS: dict[Textures, tuple[float, float]] = {"none": (0.0, 0.0), "mild": (0
 
 
 @dataclass(frozen=True)
-class RenderConfig:
+class RenderConfig(WorkerOptions):
     """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
 
     out: Path
@@ -57,18 +57,12 @@ class RenderConfig:
     """Cycles: samples per pixel."""
     clouds: Path | None = None
     """Equirectangular picture of cloud, white where opaque."""
-    workers: int = 1
-    """Processes; on a Ray cluster, 0 takes every processor."""
-    on: str = POOL
-    """pool (processes of this machine), ray, or ray://host:port."""
     dry_run: bool = False
     """Only say what time and disk it would take, tried on a little of it."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: RenderConfig) -> None:
     """Entry of `proxnav render`."""
-    config = tyro.cli(RenderConfig, args=argv, prog="proxnav render")
-    check_workers(config.workers, config.on)
     if config.samples < 1 or (config.frames is not None and config.frames < 1):
         raise InputError("--samples and --frames must be at least 1")
     say_when_compiling("rendering")

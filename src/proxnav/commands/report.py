@@ -19,9 +19,8 @@ class ReportConfig:
     """Heading of the page; the folder's name when not given."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: ReportConfig) -> None:
     """Entry of `proxnav report`."""
-    config = tyro.cli(ReportConfig, args=argv, prog="proxnav report")
     from proxnav.storage.files import write_atomic
     from proxnav.viewing.report import report_html
 

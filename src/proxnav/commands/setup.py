@@ -15,9 +15,8 @@ class Setup:
     """blender: bpy 4.5 LTS (GPL-3) in a virtual environment in the user's data folder, or in $PROXNAV_HOME."""
 
 
-def main(argv: list[str]) -> None:
-    """Runs the command."""
-    tyro.cli(Setup, args=argv, prog="proxnav setup")
+def run(config: Setup) -> None:
+    """Installs it."""
     from proxnav.rendering.cycles.environment import make_environment
 
     make_environment(lambda text: print(text, file=sys.stderr, flush=True))

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import tyro
 
-from proxnav.cluster.jobs import POOL, check_workers
+from proxnav.cli.options import WorkerOptions
 from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.many_runs import run_many, single
 from proxnav.commands.simulate_jobs import Flight, FlightJob, write_flight
@@ -26,7 +25,7 @@ _TRIED_S = 20.0
 
 
 @dataclass(frozen=True)
-class SimulateConfig:
+class SimulateConfig(WorkerOptions):
     """Flies both craft under J2 and drag near a trajectory and records every sensor as csv, with the truth beside."""
 
     out: Path
@@ -51,19 +50,14 @@ class SimulateConfig:
     """Closed loop: model."""
     runs: int = 1
     """Flights of as many seeds from --seed on; more than one go into OUT/SEED each."""
-    workers: int = 1
-    on: str = POOL
-    """pool (processes of this machine), ray, or ray://host:port."""
     dry_run: bool = False
     """Only say what time and disk it would take, tried on a little of it."""
     truth: TruthConfig = field(default_factory=TruthConfig)
     sensing: SensingConfig = field(default_factory=SensingConfig)
 
 
-def main(argv: list[str]) -> None:
+def run(config: SimulateConfig) -> None:
     """Entry of `proxnav simulate`."""
-    config = tyro.cli(SimulateConfig, args=argv, prog="proxnav simulate")
-    check_workers(config.workers, config.on)
     if config.runs < 1 or config.seed < 0:
         raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
     reference = cut(_reference(config), config.start_s, config.duration_s)

@@ -40,9 +40,8 @@ class SolveConfig:
     pose: PoseConfig = field(default_factory=PoseConfig)
 
 
-def main(argv: list[str]) -> None:
+def run(config: SolveConfig) -> None:
     """Entry of `proxnav solve`."""
-    config = tyro.cli(SolveConfig, args=argv, prog="proxnav solve")
     check_new_file(config.out)
     camera = Camera.from_speed_json(str(config.camera))
     points_m = target_points(config.target, config.subset)

@@ -4,7 +4,6 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import tyro
@@ -49,13 +48,6 @@ class New:
     """Name of the target; the file's when not given."""
     licence: str = "unknown"
     """Licence of the mesh."""
-
-
-def main(argv: list[str]) -> None:
-    """Entry of `proxnav target`."""
-    Command = Annotated[Show, tyro.conf.subcommand("show")] | Annotated[New, tyro.conf.subcommand("new")]
-    config = tyro.cli(Command, args=argv, prog="proxnav target")
-    show(config) if isinstance(config, Show) else new(config)
 
 
 def show(config: Show) -> None:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tyro
 
 from proxnav.cli.progress import progress
 from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
@@ -53,9 +52,8 @@ class ExportConfig:
     """Fresh ray-cast frames on which the covariances are scaled; a third as many show no target."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: ExportConfig) -> None:
     """Entry of `proxnav train export`."""
-    config = tyro.cli(ExportConfig, args=argv, prog="proxnav train export")
     target = load_target(config.target)
     shape = replace(config.net, n_keypoints=len(target.keypoint_names))
     net = HeatmapNet(shape)

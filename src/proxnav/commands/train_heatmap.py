@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-import tyro
 from torch import nn
 
 from proxnav.detection.heatmap.train import (
@@ -71,9 +70,8 @@ class TrainFinderOptions:
     training: TrainFinderConfig = field(default_factory=TrainFinderConfig)
 
 
-def crop(argv: list[str]) -> None:
+def crop(options: TrainCropOptions) -> None:
     """Entry of `proxnav train heatmap`."""
-    options = tyro.cli(TrainCropOptions, args=argv, prog="proxnav train heatmap")
     _check_side(options.side)
     mission = replace(load_mission(_MISSION), target=options.target)
     crops = CropConfig(mission.training_mission, options.side, seed=options.seed)
@@ -88,9 +86,8 @@ def crop(argv: list[str]) -> None:
     print(f"{result.reason}: {result.samples} crops seen, best validation {result.best_score:.3f} px; {result.weights}")
 
 
-def finder(argv: list[str]) -> None:
+def finder(options: TrainFinderOptions) -> None:
     """Entry of `proxnav train finder`."""
-    options = tyro.cli(TrainFinderOptions, args=argv, prog="proxnav train finder")
     _check_side(options.side)
     mission = replace(load_mission(_MISSION), target=options.target)
     frames = CropConfig(mission.training_mission, options.side, seed=options.seed)

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import tyro
 
 from proxnav.cli.progress import progress
 from proxnav.datasets.set.dataset import Dataset
@@ -82,9 +81,8 @@ class TrainRcnnOptions:
     """Only say how long it would take and how much disk it needs."""
 
 
-def main(argv: list[str]) -> None:
+def run(options: TrainRcnnOptions) -> None:
     """Entry of `proxnav train keypoint-rcnn`."""
-    options = tyro.cli(TrainRcnnOptions, args=argv, prog="proxnav train keypoint-rcnn")
     names, points, indices = _keypoints(options)
     config = _recipe(options, len(names))
     if options.dry_run:

@@ -31,9 +31,8 @@ class ViewConfig:
     """Video: longer side of the picture [px]."""
 
 
-def main(argv: list[str]) -> None:
+def run(config: ViewConfig) -> None:
     """Entry of `proxnav view`."""
-    config = tyro.cli(ViewConfig, args=argv, prog="proxnav view")
     if config.every < 1:
         raise InputError(f"--every {config.every}: expected 1 or more")
     from proxnav.storage.files import check_new_file
