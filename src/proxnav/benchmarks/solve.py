@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.pose.solve.estimate import estimate_pose
 
@@ -117,7 +118,10 @@ def _opencv(points: Float[np.ndarray, "n 3"], pixels: Float[np.ndarray, "n 2"]) 
 
 def _poselib(points: Float[np.ndarray, "n 3"], pixels: Float[np.ndarray, "n 2"]) -> Pose | None:
     """poselib.estimate_absolute_pose with its defaults and our gate."""
-    import poselib
+    try:
+        import poselib
+    except ImportError:
+        raise InputError("the solvers' benchmark compares with PoseLib: pip install 'proxnav[benchmark]'") from None
 
     camera = {"model": "PINHOLE", "width": 1024, "height": 1024, "params": [1407.0, 1407.0, 512.0, 512.0]}
     pose, info = poselib.estimate_absolute_pose(pixels, points, camera, {"max_reproj_error": _GATE_PX}, {})

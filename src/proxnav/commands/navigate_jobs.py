@@ -93,7 +93,7 @@ def _write(out: Path, name: str, table: dict[str, list]) -> None:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        print(f"{name}.parquet not written: pyarrow is not installed (pip install pyarrow)")
+        print(f"{name}.parquet not written: it needs pyarrow (pip install 'proxnav[parquet]')")
         return
     parquet.write_table(pyarrow.table(table), out / f"{name}.parquet")
 

@@ -49,7 +49,7 @@ def commit() -> str | None:
 
     A package that is installed inside somebody else's repository is not of that repository.
     """
-    if _git("ls-files", "--error-unmatch", "cli.py") is None:
+    if _git("ls-files", "--error-unmatch", "__init__.py") is None:
         return None
     return _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
 

@@ -27,8 +27,8 @@ def make_environment(say: Callable[[str], None]) -> Path:
         say(f"Making a virtual environment with {base} ...")
         _run([base, "-m", "venv", str(made)], "make a virtual environment")
         say(f"Installing {BPY_REQUIREMENT} (a download of about 400 MB) ...")
-        pip = [str(environment_python(made)), "-m", "pip", "--disable-pip-version-check", "install", BPY_REQUIREMENT]
-        _run(pip, f"install {BPY_REQUIREMENT}", show=True)
+        pip = [str(environment_python(made)), "-m", "pip", "--disable-pip-version-check", "install", "--no-compile"]
+        _run([*pip, BPY_REQUIREMENT], f"install {BPY_REQUIREMENT}", show=True)
         version = verify(environment_python(made))
         (made / READY).write_text(f"{version}\n", encoding="utf-8")
         _move(made, folder)
