@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 from proxnav.records import Frame
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.targets.loading import load_target

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.sensor import expose
 from proxnav.sensor.presets import IDEAL, SPEED_CLASS, scaled_noise

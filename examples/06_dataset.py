@@ -7,7 +7,8 @@ import cv2
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.frames import FrameConfig
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes, render
+from proxnav.missions.scenes import draw_scenes
+from proxnav.rendered_set import render
 from proxnav.viewing.overlay import contact_sheet, overlay
 
 

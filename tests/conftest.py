@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from proxnav.datasets.set.dataset import Dataset
+
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
@@ -20,3 +22,15 @@ def shared_data() -> Path:
     if not SHARED_DATA.is_dir():
         pytest.skip("the sample files of ../shared/data are not beside this clone")
     return SHARED_DATA
+
+
+@pytest.fixture(scope="session")
+def six(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    """Six ray-cast frames of 96 px, drawn without interruption by one process."""
+    from proxnav.frames import FrameConfig
+    from proxnav.missions import load_mission
+    from proxnav.missions.scenes import draw_scenes
+    from proxnav.rendered_set import render
+
+    scenes = draw_scenes(load_mission("observation-10-100m"), 6, 3, 96)
+    return render(scenes, FrameConfig("raycast"), tmp_path_factory.mktemp("sets") / "six", 1)

@@ -17,7 +17,8 @@ from proxnav.detection.training import train
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes, render
+from proxnav.missions.scenes import draw_scenes
+from proxnav.rendered_set import render
 from proxnav.storage import files
 
 RAYCAST = FrameConfig("raycast")

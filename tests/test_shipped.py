@@ -10,7 +10,7 @@ from proxnav.evaluation.table import STUDY
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry.pose_errors import pose_errors
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 
 FRAMES = 16
 MISSION = load_mission("observation-10-100m")

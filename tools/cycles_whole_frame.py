@@ -65,7 +65,7 @@ def measure(frames: int, samples: int, size: int) -> None:
     from proxnav.datasets.set.writer import DatasetWriter
     from proxnav.frames import FrameConfig, FrameJob
     from proxnav.missions import load_mission
-    from proxnav.pipeline import draw_scenes
+    from proxnav.missions.scenes import draw_scenes
     from proxnav.rendering.cycles.blender import WORKER, find_blender
     from proxnav.targets.loading import load_target
 

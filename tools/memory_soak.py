@@ -13,7 +13,7 @@ import numpy as np
 
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 from proxnav.records import SceneSpec
 from proxnav.rendering.cycles import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer

@@ -19,7 +19,7 @@ import psutil
 
 from proxnav.frames import FrameConfig, FrameJob, Renderer
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 
 
 def main() -> int:

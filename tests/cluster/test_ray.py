@@ -13,7 +13,8 @@ from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes, render
+from proxnav.missions.scenes import draw_scenes
+from proxnav.rendered_set import render
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]  # Ray's own imports warn
 

@@ -18,7 +18,7 @@ from proxnav.commands.benchmark_conditions import (
 )
 from proxnav.geometry.perturbation import moved
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 from proxnav.records import PoseResult
 
 MISSION = load_mission("observation-10-100m")

@@ -14,8 +14,8 @@ from proxnav.commands.look_jobs import LookJob
 from proxnav.flight.simulate import SensingConfig, SimulationConfig
 from proxnav.flight.truth import TruthConfig
 from proxnav.missions import fly, load_mission
+from proxnav.missions.scenes import draw_scenes
 from proxnav.navigation.config import NavigationConfig
-from proxnav.pipeline import draw_scenes
 from proxnav.targets.loading import load_target
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]

@@ -8,7 +8,7 @@ from proxnav.cli.main import main
 from proxnav.commands.benchmark_scale import ScaleBenchmarkConfig, rate, table, text, written
 from proxnav.errors import InputError
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 
 
 def test_efficiency_and_prediction_follow_from_the_rates() -> None:

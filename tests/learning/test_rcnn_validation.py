@@ -10,8 +10,9 @@ from proxnav.geometry import Camera, Pose, so3
 from proxnav.learning import rcnn_validation
 from proxnav.learning.rcnn_validation import WITHOUT_POSE, Labelled, fresh_frames, mean_e_c
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes, render
+from proxnav.missions.scenes import draw_scenes
 from proxnav.records import Keypoints
+from proxnav.rendered_set import render
 from proxnav.targets.loading import load_target
 
 CAMERA = Camera(width=256, height=256, fx=350.0, fy=350.0, cx=128.0, cy=128.0)

@@ -66,8 +66,10 @@ def _plain(job: str, total: int) -> Callable[[], None]:
     return advance
 
 
-def say_when_compiling(room: str) -> None:
-    """One line on stderr where the room's kernels were never compiled here: the first run is silent for a while."""
-    folder = Path(__file__).parents[1] / room
-    if not os.environ.get("NUMBA_CACHE_DIR") and next(folder.rglob("*.nbi"), None) is None:
-        print(f"first use: compiling the kernels of {room}, once; this takes half a minute or more", file=sys.stderr)
+def say_when_compiling(*rooms: str) -> None:
+    """A line on stderr for each room whose kernels were never compiled here: its first use is silent for a while."""
+    for room in rooms:
+        folder = Path(__file__).parents[1] / room
+        if not os.environ.get("NUMBA_CACHE_DIR") and next(folder.rglob("*.nbi"), None) is None:
+            takes = "once; this takes half a minute or more"
+            print(f"first use: compiling the kernels of {room}, {takes}", file=sys.stderr)

@@ -21,12 +21,12 @@ from proxnav.geometry import Pose, so3
 from proxnav.geometry.perturbation import difference
 from proxnav.missions import Mission, load_mission
 from proxnav.missions.flights import DAYLIGHT
-from proxnav.pipeline import observable
 from proxnav.records import Keypoints, PoseResult, SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.storage.files import write_json
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import OBSERVATION_10_100_STRICT, select, walking_safety_ellipse
+from proxnav.trajectories.selection import observable
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, FrameJob, Renderer
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 from proxnav.records import SceneSpec
 from proxnav.storage.files import write_json
 from proxnav.storage.run_record import run_record

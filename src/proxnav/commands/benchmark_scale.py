@@ -18,8 +18,9 @@ from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, FrameJob, Renderer
 from proxnav.missions import load_mission
-from proxnav.pipeline import EncodeJob, WriteJob, draw_scenes
+from proxnav.missions.scenes import draw_scenes
 from proxnav.records import SceneSpec
+from proxnav.rendered_set import EncodeJob, WriteJob
 from proxnav.storage.files import write_json
 from proxnav.storage.run_record import run_record
 from proxnav.targets.loading import load_target

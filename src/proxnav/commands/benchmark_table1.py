@@ -13,10 +13,13 @@ from proxnav.cluster.jobs import POOL
 from proxnav.commands.estimate import find_images, observe_anywhere
 from proxnav.detection.sessions import Backend
 from proxnav.estimator import PoseEstimator
+from proxnav.evaluation.judgement import judge
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes, judge, render, write_run
+from proxnav.missions.scenes import draw_scenes
 from proxnav.records import SceneSpec
+from proxnav.rendered_set import render
+from proxnav.viewing.run_writer import write_run
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ def run(config: Table1Config) -> None:
         find_images(folder), dataset.camera, config.model, config.backend, config.workers, config.on
     )
     judgement = judge(records, dataset)
-    write_run(config.out, judgement, dataset, estimator, config, keypoints=keypoints)
+    write_run(config.out, judgement, dataset, estimator.points_target_m, keypoints, config)
     print(json.dumps(judgement.metrics(), indent=1) if config.json else judgement.text())
 
 

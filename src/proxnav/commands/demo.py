@@ -3,15 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from proxnav.cli.progress import progress, say_when_compiling
-from proxnav.commands.estimate import find_images, observe_images
-from proxnav.errors import InputError
-from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, Renderer
-from proxnav.missions import fly, load_mission
-from proxnav.pipeline import follow, judge, render, write_run
-from proxnav.storage.files import write_atomic
-from proxnav.viewing.report import report_html
 
 
 @dataclass(frozen=True)
@@ -33,19 +25,13 @@ class DemoConfig:
 
 
 def run(config: DemoConfig) -> None:
-    """Fly, render, estimate, judge, write."""
-    mission = load_mission(config.preset)
-    if not mission.flight.trajectory:
-        raise InputError(f"mission '{config.preset}' has no trajectory to fly; spiral-10-100m, for one, has")
-    estimator = PoseEstimator.load(config.model)
-    scenes = follow(fly(mission.flight.trajectory), mission, config.frames, config.seed)
-    say_when_compiling("rendering")
-    with progress(f"render ({config.renderer})", len(scenes)) as done:
-        images = config.out / f"images-{config.renderer}"
-        dataset = render(scenes, FrameConfig(config.renderer, config.samples), images, 1, done)
-    records, keypoints = observe_images(estimator, find_images(images), dataset.camera)
-    judgement = judge(records, dataset)
-    write_run(config.out, judgement, dataset, estimator, config, keypoints=keypoints)
-    write_atomic(config.out / "report.html", report_html(config.out, f"demo: {config.preset}").encode())
+    """Runs the chain and prints its tables."""
+    from proxnav import pipeline
+    from proxnav.cli.progress import progress, say_when_compiling
+    from proxnav.missions import load_mission
+
+    mission, rendering = load_mission(config.preset), FrameConfig(config.renderer, config.samples)
+    say_when_compiling("rendering", "pose")
+    judgement = pipeline.run(mission, config.frames, config.seed, rendering, config.model, config.out, config, progress)
     print(judgement.text())
     print(f"\nlook at {config.out / 'report.html'} and {config.out / 'overlays'}")

@@ -11,8 +11,8 @@ from typing import Any
 
 from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.frames import FrameConfig
-from proxnav.pipeline import render
 from proxnav.records import SceneSpec
+from proxnav.rendered_set import render
 
 _FRAMES = 3
 _DRAWN = 8

@@ -12,8 +12,9 @@ from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.geometry import Camera
 from proxnav.missions import Mission, fly, load_mission
-from proxnav.pipeline import draw_scenes, follow, render
+from proxnav.missions.scenes import draw_scenes, follow
 from proxnav.records import SceneSpec
+from proxnav.rendered_set import render
 from proxnav.sensor.presets import sensor_by_name
 from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig

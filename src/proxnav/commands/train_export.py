@@ -19,7 +19,7 @@ from proxnav.geometry.perturbation import difference
 from proxnav.learning.alignment_calibration import KEPT, Samples, calibrated
 from proxnav.learning.crops import BEHIND_M
 from proxnav.missions import Mission, load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 from proxnav.pose.align import AlignConfig
 from proxnav.targets.loading import GENERATED, load_target, save_target
 

@@ -13,10 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
+from proxnav.evaluation.label_bounds import label_bound_errors
 from proxnav.geometry import Camera
-from proxnav.geometry.arrays import frozen
-from proxnav.records import Keypoints
+from proxnav.geometry.arrays import frozen, unit
+from proxnav.geometry.types import Points
+from proxnav.records import Keypoints, SceneSpec
 from proxnav.storage.files import inside, read_json, write_json
 from proxnav.storage.numbers import finite_numbers
 
@@ -49,11 +52,6 @@ class FrameNote:
         object.__setattr__(self, "scores", frozen(self.scores, (n,), "scores"))
         object.__setattr__(self, "covariances_px2", frozen(self.covariances_px2, (n, 2, 2), "covariances_px2"))
 
-    @staticmethod
-    def of(filename: str, t: float, phase_rad: float, bound: tuple[float, float], found: Keypoints) -> "FrameNote":
-        """From what the detector gave."""
-        return FrameNote(filename, t, phase_rad, *bound, found.pixels, found.scores, found.covariances_px2)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunFrames:
@@ -68,6 +66,33 @@ class RunFrames:
     """Of `t`; empty where the frames are no sequence in time."""
     dataset: Path | None
     """Folder of the data set; None where it is not there any more."""
+
+
+def run_frames_of(dataset: Dataset, points_target_m: Points, keypoints: Sequence[Keypoints]) -> RunFrames:
+    """What each frame of a data set was: its time, the Sun, the best its keypoints allow, and what was found in it."""
+    scenes = list(dataset.scenes()) if (dataset.folder / "scenes.jsonl").is_file() else [None] * len(dataset)
+    flown = scenes[0] is not None and bool(scenes[0].sequence)
+    notes = [
+        FrameNote(
+            label.filename,
+            scene.t if scene is not None and flown else float(k),
+            np.nan if scene is None else phase_angle(scene),
+            *label_bound_errors(label, points_target_m, dataset.camera),
+            found.pixels,
+            found.scores,
+            found.covariances_px2,
+        )
+        for k, (label, scene, found) in enumerate(zip(dataset.labels, scenes, keypoints, strict=True))
+    ]
+    target = dataset.target_name if scenes[0] is None else scenes[0].target
+    epoch = scenes[0].epoch_utc if scenes[0] is not None and flown else ""
+    return RunFrames(tuple(notes), dataset.camera, points_target_m, target, epoch, dataset.folder)
+
+
+def phase_angle(scene: SceneSpec) -> float:
+    """Angle Sun, target, camera [rad]: 0 with the Sun behind the camera."""
+    to_camera = unit(scene.T_cam_target.inverse().t_m)
+    return float(np.arccos(np.clip(to_camera @ np.array(scene.sun.direction_target), -1.0, 1.0)))
 
 
 def write_run_frames(folder: Path, run: RunFrames) -> None:

@@ -16,7 +16,7 @@ from proxnav.geometry import Camera, Pose
 from proxnav.geometry.pose_errors import pose_errors
 from proxnav.geometry.types import Points
 from proxnav.missions import load_mission
-from proxnav.pipeline import draw_scenes
+from proxnav.missions.scenes import draw_scenes
 
 WITHOUT_POSE = 1.0
 """E_C that a frame without a pose counts as, and the most that any frame does: one confusion must not drown a mean."""
