@@ -114,8 +114,6 @@ class NavigationConfig:
 
     coupling: Literal["loose", "tight"] = "loose"
     """loose: the estimator's poses, which are finer than its keypoints; tight: each keypoint by itself."""
-    dynamics: Literal["gradient", "circular", "eccentric"] = "gradient"
-    """Gravity gradient with J2 along the real orbit; or Clohessy-Wiltshire, or Yamanaka-Ankersen, for comparison."""
     target: Literal["held", "free"] = "held"
     """Whether somebody controls the target's attitude."""
     held: HeldTarget = field(default_factory=HeldTarget)

@@ -1,16 +1,13 @@
 """Belief forward in time, with the gyro's rates and the accelerometer's burns."""
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from proxnav.geometry import quaternion
-from proxnav.geometry.relative_motion import cw_transition
 from proxnav.navigation.belief import Belief, Scene
 from proxnav.navigation.kernels.prediction import ANGLE_VAR, RATE_PSD, advance
 from proxnav.navigation.kernels.relative import gradient_transition
-from proxnav.navigation.yamanaka_ankersen import reference_orbit, ya_transition
 
 _LONGEST_S = 2.0
 _GAP_S = 2.5
@@ -89,7 +86,7 @@ def _step(belief: Belief, t: float, scene: Scene, steps: list[Step] | None) -> B
     if scene.inertia[0] > 0.0:
         noise[RATE_PSD] += _inertia_psd(belief.x[14:17], scene.config.inertia_sigma)
     rate = belief.rate_cam if scene.has_gyro else _NONE
-    Phi, held = _transition(scene, belief.t, dt), scene.held(belief.t)
+    Phi, held = gradient_transition(*scene.ephemeris, belief.t, dt), scene.held(belief.t)
     x, P, F, d = advance(belief.x, belief.P, Phi, dt, rate, scene.inertia, held, belief.pose_errors, noise)
     if steps is not None:
         steps.append(Step(F, d))
@@ -99,17 +96,3 @@ def _step(belief: Belief, t: float, scene: Scene, steps: list[Step] | None) -> B
 def _inertia_psd(rate: np.ndarray, sigma: float) -> float:
     """Of the angular acceleration that wrong moments leave out: sigma w^2, which turns with the body at about w."""
     return sigma**2 * float(np.linalg.norm(rate)) ** 3
-
-
-def _transition(scene: Scene, t: float, dt: float) -> np.ndarray:
-    if scene.config.dynamics == "gradient":
-        return gradient_transition(*scene.ephemeris, t, dt)
-    r, v, _, n = scene.orbit(t)
-    if scene.config.dynamics == "eccentric":
-        return ya_transition(reference_orbit(r, v), dt)
-    return _cw(round(n, 9), round(dt, 9))
-
-
-@lru_cache(maxsize=512)
-def _cw(n: float, dt: float) -> np.ndarray:
-    return np.ascontiguousarray(cw_transition(n, dt))
