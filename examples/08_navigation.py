@@ -10,7 +10,8 @@ from proxnav.flight.simulate import SimulationConfig, simulate
 from proxnav.flight.truth_files import true_states
 from proxnav.missions import fly, load_mission
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.navigator import run_filter, scene_of
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.navigation.navigator import run_filter
 from proxnav.storage.tables import write_columns
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import select
@@ -25,7 +26,7 @@ def main(out: Path = Path("out/examples"), seconds: float = 120.0) -> np.ndarray
 
     truth, records = simulate(flight, target, camera, SimulationConfig(), np.random.default_rng(0))
     t = np.arange(truth.t[0] + 1.0, truth.t[-1], 1.0)
-    states, _, _ = run_filter(records, scene_of(records, target.keypoints_m, camera, config), t)
+    states, _, _ = run_filter(records, setup_of(records, target.keypoints_m, camera, config), t)
     errors = nav_errors(states, true_states(truth).at(t))
 
     solution = out / "08_navigation" / "solution.csv"

@@ -4,21 +4,27 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Int
 
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.flight.truth import Truth
-from proxnav.frames import FrameConfig, FrameJob, Renderer
+from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.geometry.types import Box
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.events import Event, events
-from proxnav.navigation.navigator import Navigator, scene_of
-from proxnav.navigation.prediction import predict_view
-from proxnav.records import KeypointData, Keypoints, PoseData, PoseResult, SensorRecords, Trajectory
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.navigation.navigator import Navigator
+from proxnav.navigation.predicted_measurement import predict_measurement
+from proxnav.navigation.readings import KeypointFrame, PoseFix, Reading
+from proxnav.navigation.stream import readings
+from proxnav.records import KeypointData, PoseData, SensorRecords, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.sensor.presets import SPEED_CLASS
 from proxnav.trajectories.assemble import assemble
+
+LATENCY_S = 0.5
+"""From the exposure to the pose: network, pose solver and alignment on a small computer."""
 
 
 @dataclass(frozen=True)
@@ -29,25 +35,21 @@ class ClosedLoopConfig:
     """Name of a shipped model, or a folder with a model.json."""
     rate_hz: float = 1.0
     """Frames per second of flight."""
-    latency_s: float = 0.5
-    """From the exposure to the pose."""
-    renderer: Renderer = "raycast"
     seed: int = 0
-    """Of the images' noise."""
+    """Seed of the images' noise."""
     threads: int = 0
-    """Of the network; 0 takes all cores."""
+    """Threads of the network; 0 takes all cores."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Reading:
-    """What the estimator found in one frame."""
+class _Found:
+    """What the estimator read in one frame."""
 
-    t: float
-    keypoints: Keypoints
-    result: PoseResult
+    keypoints: KeypointFrame
+    pose: PoseFix
 
 
-def frame_times(truth: Truth, config: ClosedLoopConfig) -> np.ndarray:
+def frame_times(truth: Truth, config: ClosedLoopConfig) -> Int[np.ndarray, "n_frames"]:
     """Indices of the truth at which the camera takes a frame."""
     if not config.rate_hz > 0.0:
         raise InputError(f"the camera's rate must be positive, found {config.rate_hz:g} Hz")
@@ -67,33 +69,51 @@ def closed_loop(
     The filter has at each exposure only what has arrived by then. InputError where no frame shows the target.
     """
     estimator = PoseEstimator.load(config.model, threads=config.threads)
-    scene = scene_of(records, estimator.points_target_m, camera, navigation)
-    stream, k = events(records, scene), frame_times(truth, config)
-    navigator, draw = Navigator(scene, float(truth.t[0])), FrameJob(estimator.target, FrameConfig(config.renderer))()
+    setup, k = setup_of(records, estimator.points_target_m, camera, navigation), frame_times(truth, config)
+    draw = FrameJob(estimator.target, FrameConfig("raycast"))()
+    navigator, stream = Navigator(setup, float(truth.t[0])), readings(records, setup)
     flight, look = _flight(truth, k), SceneConfig(sensor=SPEED_CLASS, sequence="closed loop")
-    waiting: list[Event] = []
-    found: list[_Reading] = []
+    waiting: list[Reading] = []
+    found: list[_Found] = []
     for i, t in enumerate(flight.t.tolist()):
-        while stream and stream[0].received <= t:
-            navigator.put(stream.pop(0))
-        while waiting and waiting[0].received <= t:
-            navigator.put(waiting.pop(0))
-        image = draw(
-            scene_at(flight, i, index=i, target=estimator.target, camera=camera, config=look, seed=config.seed)
-        )
-        keypoints, result = estimator.observe(image.image, camera, _expected(navigator, t, estimator, camera))
-        if result.T_cam_target is not None and result.covariance is not None:
-            found.append(_Reading(t, keypoints, result))
-            waiting.extend(_events(found[-1], config.latency_s, navigation))
+        _hand_over(stream, navigator, t)
+        _hand_over(waiting, navigator, t)
+        scene = scene_at(flight, i, index=i, target=estimator.target, camera=camera, config=look, seed=config.seed)
+        image, box = draw(scene).image, _expected(navigator, t, estimator, camera)
+        frame = _read(estimator, image, camera, box, t)
+        if frame is not None:
+            found.append(frame)
+            waiting.append(frame.pose)
+            if navigation.coupling == "tight":
+                waiting.append(frame.keypoints)
         done()
     if not found:
         raise InputError(
             f"none of {len(flight)} frames showed the target to {config.model}: choose a sunlit piece with --start-s"
         )
-    return replace(records, keypoints=_keypoints(found, config), poses=_poses(found, config))
+    return replace(records, keypoints=_keypoints(found), poses=_poses(found))
 
 
-def _flight(truth: Truth, k: np.ndarray) -> Trajectory:
+def _hand_over(readings: list[Reading], navigator: Navigator, t: float) -> None:
+    """The filter gets what has arrived by `t`."""
+    while readings and readings[0].received <= t:
+        navigator.put(readings.pop(0))
+
+
+def _read(estimator: PoseEstimator, image: np.ndarray, camera: Camera, box: Box | None, t: float) -> _Found | None:
+    """Keypoints and pose of one frame; None where the estimator has no pose."""
+    keypoints, result = estimator.observe(image, camera, box)
+    pose = result.T_cam_target
+    if pose is None or result.covariance is None:
+        return None
+    received = t + LATENCY_S
+    return _Found(
+        KeypointFrame(t, received, keypoints.pixels, keypoints.covariances_px2),
+        PoseFix(t, received, pose.q_wxyz, pose.t_m, result.covariance),
+    )
+
+
+def _flight(truth: Truth, k: Int[np.ndarray, "n_frames"]) -> Trajectory:
     """The truth at the frames, with the Sun."""
     return assemble(
         truth.epoch_utc, truth.t[k], (truth.r_eci_target_m[k], truth.v_eci_target_mps[k]),
@@ -107,34 +127,22 @@ def _expected(navigator: Navigator, t: float, estimator: PoseEstimator, camera: 
     state = navigator.at(t)
     if state is None or state.status not in ("tracking", "coasting"):
         return None
-    box = predict_view(state, estimator.points_target_m, camera).box_xyxy
+    box = predict_measurement(state, estimator.points_target_m, camera).box_xyxy
     return box if np.isfinite(box).all() and (box[2:] - box[:2]).min() > 1.0 else None
 
 
-def _events(reading: _Reading, latency_s: float, navigation: NavigationConfig) -> list[Event]:
-    pose, cov = reading.result.T_cam_target, reading.result.covariance
-    assert pose is not None
-    received = reading.t + latency_s
-    out = [Event(reading.t, received, "poses", (pose.q_wxyz, pose.t_m, cov))]
-    if navigation.coupling == "tight":
-        values = (reading.keypoints.pixels, reading.keypoints.covariances_px2)
-        out.append(Event(reading.t, received, "keypoints", values))
-    return out
-
-
-def _keypoints(found: list[_Reading], config: ClosedLoopConfig) -> KeypointData:
-    t = np.array([reading.t for reading in found])
-    pixels = np.array([reading.keypoints.pixels for reading in found])
+def _keypoints(found: list[_Found]) -> KeypointData:
+    frames = [frame.keypoints for frame in found]
     return KeypointData(
-        t, t + config.latency_s, pixels, np.array([reading.keypoints.covariances_px2 for reading in found])
-    )
+        np.array([frame.t for frame in frames]), np.array([frame.received for frame in frames]),
+        np.array([frame.pixels for frame in frames]), np.array([frame.covariances_px2 for frame in frames]),
+    )  # fmt: skip
 
 
-def _poses(found: list[_Reading], config: ClosedLoopConfig) -> PoseData:
-    t = np.array([reading.t for reading in found])
-    poses = [reading.result.T_cam_target for reading in found]
+def _poses(found: list[_Found]) -> PoseData:
+    poses = [frame.pose for frame in found]
     return PoseData(
-        t, t + config.latency_s, np.array([pose.q_wxyz for pose in poses if pose is not None]),
-        np.array([pose.t_m for pose in poses if pose is not None]),
-        np.array([reading.result.covariance for reading in found]),
+        np.array([pose.t for pose in poses]), np.array([pose.received for pose in poses]),
+        np.array([pose.q_cam_target for pose in poses]), np.array([pose.t_cam_target_m for pose in poses]),
+        np.array([pose.covariance for pose in poses]),
     )  # fmt: skip

@@ -12,7 +12,8 @@ from proxnav.flight.truth import Truth, TruthConfig
 from proxnav.flight.truth_files import true_states
 from proxnav.geometry import Camera
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.navigator import Judged, run_filter, scene_of
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.navigation.navigator import Judged, run_filter
 from proxnav.records import SensorRecords, Trajectory
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import HoldConfig, hold
@@ -43,10 +44,10 @@ def filtered(
     truth: Truth, records: SensorRecords, config: NavigationConfig | None = None
 ) -> tuple[NavErrors, list[Judged], int]:
     """Errors every five seconds, verdicts, and how often the filter started."""
-    scene = scene_of(records, points(), CAMERA, config or TIGHT)
+    setup = setup_of(records, points(), CAMERA, config or TIGHT)
     t = np.arange(truth.t[0] + 5.0, truth.t[-1], 5.0)
-    states, judged, last = run_filter(records, scene, t)
-    return nav_errors(states, true_states(truth).at(t)), judged, last.starts
+    states, judged, last = run_filter(records, setup, t)
+    return nav_errors(states, true_states(truth).at(t)), judged, last.memory.starts
 
 
 def without(records: SensorRecords, *names: str) -> SensorRecords:

@@ -8,7 +8,7 @@ from navigation.orbits import ELLIPSE_STATE, TWO_BODY, N, target_at
 from proxnav.flight.orbit_forces import Burn, ForceConfig, acceleration, fly
 from proxnav.geometry.celestial import MU_EARTH
 from proxnav.geometry.relative_motion import cw_transition, eci_from_ric, ric_from_eci
-from proxnav.navigation.kernels.relative import gradient_transition, gravity_gradient
+from proxnav.navigation.kernels.gravity_gradient import gradient_transition, gravity_gradient
 
 
 def numerical(e: float, nu: float, rho: np.ndarray, rho_dot: np.ndarray, t: np.ndarray) -> Float[np.ndarray, "n 6"]:

@@ -1,6 +1,7 @@
 """The filter on short flights: accuracy, honesty, late and wrong readings, loss and restart."""
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -13,16 +14,21 @@ from proxnav.flight.simulate import SimulationConfig, simulate
 from proxnav.flight.truth import Truth, TruthConfig, TumbleConfig
 from proxnav.flight.truth_files import true_states
 from proxnav.geometry import quaternion
+from proxnav.navigation.belief import Tracking
 from proxnav.navigation.config import FilterNoise, NavigationConfig
-from proxnav.navigation.events import Event, events
-from proxnav.navigation.navigator import Navigator, run_filter, scene_of
-from proxnav.navigation.observe import in_target_axes, lasting_of_keypoints, lasting_of_pose
-from proxnav.navigation.prediction import predict_view
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.navigation.layout import E
+from proxnav.navigation.measurements import in_target_axes, lasting_of_keypoints, lasting_of_pose
+from proxnav.navigation.navigator import Navigator, run_filter
+from proxnav.navigation.predicted_measurement import predict_measurement
+from proxnav.navigation.readings import GnssFix, GyroReading, KeypointFrame, PoseFix, Reading, rank
 from proxnav.navigation.smoother import smooth
+from proxnav.navigation.stream import readings
 from proxnav.records import SensorRecords
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import ApproachConfig, straight_approach
 
+AnyReading = TypeVar("AnyReading", bound=Reading)
 QUARTER = quaternion.exp(np.array([0.0, 0.0, np.pi / 2]))
 
 
@@ -61,10 +67,14 @@ def test_a_fused_pose_is_better_than_a_single_frame() -> None:
     assert np.sqrt(np.mean(np.square(fused))) < 0.8 * np.sqrt(np.mean(np.concatenate(single) ** 2))
 
 
+def last_of(kind: type[AnyReading], stream: list[Reading]) -> AnyReading:
+    return next(reading for reading in reversed(stream) if isinstance(reading, kind))
+
+
 def final_belief(records, order: np.ndarray | None = None):
-    scene = scene_of(records, points(), CAMERA, TIGHT)
-    stream = events(records, scene)
-    navigator = Navigator(scene, 0.0)
+    setup = setup_of(records, points(), CAMERA, TIGHT)
+    stream = readings(records, setup)
+    navigator = Navigator(setup, 0.0)
     for i in range(len(stream)) if order is None else order:
         navigator.receive(stream[int(i)])
     navigator.finish()
@@ -73,37 +83,35 @@ def final_belief(records, order: np.ndarray | None = None):
 
 def test_readings_in_any_order_within_the_buffer_give_the_same_state() -> None:
     _, records = fly(seconds=14.0)
-    scene = scene_of(records, points(), CAMERA, TIGHT)
-    count = len(events(records, scene))
+    setup = setup_of(records, points(), CAMERA, TIGHT)
+    count = len(readings(records, setup))
     first = final_belief(records)
-    in_time = sorted(range(count), key=lambda i: events(records, scene)[i].rank)
+    in_time = sorted(range(count), key=lambda i: rank(readings(records, setup)[i]))
     ordered, shuffled = (
         final_belief(records, np.array(in_time)),
         final_belief(records, np.random.default_rng(0).permutation(count)),
     )
     for other in (ordered, shuffled):
         mine, theirs = first.belief, other.belief
-        assert mine.x is not None
-        assert mine.P is not None
-        assert theirs.x is not None
-        assert theirs.P is not None
+        assert isinstance(mine, Tracking)
+        assert isinstance(theirs, Tracking)
         np.testing.assert_allclose(theirs.x, mine.x, atol=1e-9)
         np.testing.assert_allclose(theirs.P, mine.P, rtol=1e-6, atol=1e-15)
 
 
 def test_readings_that_come_twice_or_too_late_or_from_the_future_are_counted_and_left_out() -> None:
     _, records = fly(seconds=60.0)
-    scene = scene_of(records, points(), CAMERA, TIGHT)
-    stream = events(records, scene)
-    navigator = Navigator(scene, 0.0)
-    for event in stream:
-        navigator.receive(event)
+    setup = setup_of(records, points(), CAMERA, TIGHT)
+    stream = readings(records, setup)
+    navigator = Navigator(setup, 0.0)
+    for reading in stream:
+        navigator.receive(reading)
     before = navigator.belief
     last = stream[-1]
-    frame = next(event for event in reversed(stream) if event.kind == "keypoints")
+    frame = last_of(KeypointFrame, stream)
     assert navigator.receive(frame) == "duplicate"
-    assert navigator.receive(Event(5.3, last.received, "gnss", stream[0].values)) == "late"
-    assert navigator.receive(Event(5_000.0, last.received, "gyro", (np.zeros(3),))) == "ahead"
+    assert navigator.receive(replace(last_of(GnssFix, stream), t=5.3)) == "late"
+    assert navigator.receive(GyroReading(5_000.0, last.received, np.zeros(3))) == "ahead"
     assert navigator.belief is before
     navigator.finish()
     counts = outcomes(navigator.judged)
@@ -150,10 +158,10 @@ def turned_from(t0: float) -> tuple[Truth, SensorRecords]:
 
 def test_a_free_target_that_is_suddenly_elsewhere_is_lost_and_found_again() -> None:
     truth, broken = turned_from(40.0)
-    scene = scene_of(broken, points(), CAMERA, NavigationConfig(coupling="tight", target="free"))
+    setup = setup_of(broken, points(), CAMERA, NavigationConfig(coupling="tight", target="free"))
     times = np.arange(5.0, truth.t[-1], 1.0)
-    states, _, last = run_filter(broken, scene, times)
-    assert last.starts == 2
+    states, _, last = run_filter(broken, setup, times)
+    assert last.memory.starts == 2
     seen = [state.status for state in states if state is not None]
     assert "coasting" in seen or "lost" in seen  # it said so
     end = states[-1]
@@ -164,9 +172,9 @@ def test_a_free_target_that_is_suddenly_elsewhere_is_lost_and_found_again() -> N
 
 def test_a_held_target_that_looks_elsewhere_is_not_believed_and_the_filter_says_that_it_is_lost() -> None:
     truth, broken = turned_from(40.0)
-    scene = scene_of(broken, points(), CAMERA, TIGHT)
-    states, judged, last = run_filter(broken, scene, np.array([39.0, truth.t[-1]]))
-    assert last.starts == 1
+    setup = setup_of(broken, points(), CAMERA, TIGHT)
+    states, judged, last = run_filter(broken, setup, np.array([39.0, truth.t[-1]]))
+    assert last.memory.starts == 1
     assert [state.status for state in states if state is not None] == ["tracking", "lost"]
     assert outcomes(judged)["poses"]["gated"] > 20  # each pose was offered as a new start
 
@@ -178,8 +186,8 @@ def test_without_camera_the_filter_says_that_it_coasts_and_its_claims_grow() -> 
         records, keypoints=rows(records.keypoints, records.keypoints.t < 60.0),
         poses=rows(records.poses, records.poses.t < 60.0) if records.poses else None, gnss=None,
     )  # fmt: skip
-    scene = scene_of(blind, points(), CAMERA, TIGHT)
-    states, _, _ = run_filter(blind, scene, np.array([58.0, 110.0]))
+    setup = setup_of(blind, points(), CAMERA, TIGHT)
+    states, _, _ = run_filter(blind, setup, np.array([58.0, 110.0]))
     before, after = states
     assert before is not None
     assert after is not None
@@ -217,23 +225,21 @@ def test_a_burn_is_followed_by_the_accelerometer() -> None:
 @pytest.mark.parametrize("coupling", ["loose", "tight"])
 def test_after_a_time_without_frames_lasting_errors_have_the_size_of_the_new_view(coupling: str) -> None:
     _, records = fly(seconds=60.0)
-    scene = scene_of(records, points(), CAMERA, NavigationConfig(coupling=coupling))  # type: ignore[arg-type]
-    navigator = Navigator(scene, 0.0)
-    stream = events(records, scene)
-    for event in stream:
-        navigator.receive(event)
+    setup = setup_of(records, points(), CAMERA, NavigationConfig(coupling=coupling))  # type: ignore[arg-type]
+    navigator = Navigator(setup, 0.0)
+    stream = readings(records, setup)
+    for reading in stream:
+        navigator.receive(reading)
     now = navigator.belief
-    blind = replace(now, camera_t=now.t - 5.0 * scene.lasting_tau_s)
-    kind = "poses" if coupling == "loose" else "keypoints"
-    first, *rest = next(event for event in reversed(stream) if event.kind == kind).values
-    cov = 100.0 * rest[-1]
+    assert isinstance(now, Tracking)
+    blind = replace(now, camera_t=now.t - 5.0 * setup.lasting_tau_s)
     if coupling == "loose":
-        seen = lasting_of_pose(blind, in_target_axes(cov, first), scene)
+        pose = last_of(PoseFix, stream)
+        seen = lasting_of_pose(blind, in_target_axes(100.0 * pose.covariance, pose.q_cam_target), setup)
     else:
-        seen = lasting_of_keypoints(blind, first, cov, scene)
-    assert now.P is not None
-    assert seen.P is not None
-    grown = np.diagonal(seen.P - now.P)[-6:]
+        frame = last_of(KeypointFrame, stream)
+        seen = lasting_of_keypoints(blind, replace(frame, covariances_px2=100.0 * frame.covariances_px2), setup)
+    grown = np.diagonal(seen.P - now.P)[E.pose_error]
     np.testing.assert_allclose(grown, 99.0 * np.diagonal(now.pose_errors), rtol=0.15)  # nearly the same view
     np.linalg.cholesky(seen.P)
 
@@ -276,11 +282,11 @@ def test_smoothing_is_better_than_filtering_and_as_honest() -> None:
     before, after = [], []
     for seed in range(6):
         truth, records = fly(seed=seed)
-        scene = scene_of(records, points(), CAMERA, TIGHT)
-        smoothed = [state for state in smooth(records, scene) if 20.0 < state.t < 100.0]
+        setup = setup_of(records, points(), CAMERA, TIGHT)
+        smoothed = [state for state in smooth(records, setup) if 20.0 < state.t < 100.0]
         t = np.array([state.t for state in smoothed])
         after.append(nav_errors(smoothed, true_states(truth).at(t)))
-        before.append(nav_errors(run_filter(records, scene, t)[0], true_states(truth).at(t)))
+        before.append(nav_errors(run_filter(records, setup, t)[0], true_states(truth).at(t)))
     rms = [np.sqrt(np.mean([np.mean(f.errors**2, axis=0) for f in found], axis=0)) for found in (before, after)]
     assert np.linalg.norm(rms[1][3:6]) < 0.8 * np.linalg.norm(rms[0][3:6])  # m/s
     assert np.linalg.norm(rms[1][9:]) < np.linalg.norm(rms[0][9:])  # rad/s
@@ -291,10 +297,10 @@ def test_smoothing_is_better_than_filtering_and_as_honest() -> None:
 
 def test_the_predicted_view_holds_the_next_keypoints() -> None:
     truth, records = fly()
-    scene = scene_of(records, points(), CAMERA, TIGHT)
-    states, _, _ = run_filter(records, scene, np.array([100.0]))
+    setup = setup_of(records, points(), CAMERA, TIGHT)
+    states, _, _ = run_filter(records, setup, np.array([100.0]))
     assert states[0] is not None
-    view = predict_view(states[0], points(), CAMERA)
+    view = predict_measurement(states[0], points(), CAMERA)
     k = round(100.0 / truth.step_s)
     true_px = CAMERA.project(points() @ quaternion.to_matrix(truth.q_cam_target[k]).T + truth.t_cam_target_m[k])
     assert np.linalg.norm(view.keypoints_px - true_px, axis=1).max() < 5.0  # px
@@ -306,14 +312,14 @@ def test_the_predicted_view_holds_the_next_keypoints() -> None:
 def test_records_without_what_the_filter_needs_are_refused_in_a_sentence() -> None:
     _, records = fly()
     with pytest.raises(InputError, match="star tracker"):
-        scene_of(without(records, "star_tracker"), points(), CAMERA, TIGHT)
+        setup_of(without(records, "star_tracker"), points(), CAMERA, TIGHT)
     with pytest.raises(InputError, match="the target has 6"):
-        scene_of(records, points()[:6], CAMERA, TIGHT)
+        setup_of(records, points()[:6], CAMERA, TIGHT)
     assert records.gyro is not None
     fast = replace(records, gyro=replace(records.gyro, rate=1000.0 * records.gyro.rate))
     with pytest.raises(InputError, match="check the unit of the gyro"):
-        scene_of(fast, points(), CAMERA, TIGHT)
+        setup_of(fast, points(), CAMERA, TIGHT)
     assert records.gnss is not None
     far = replace(records, gnss=replace(records.gnss, position_m=1000.0 * records.gnss.position_m))
     with pytest.raises(InputError, match="check their units"):
-        scene_of(far, points(), CAMERA, TIGHT)
+        setup_of(far, points(), CAMERA, TIGHT)

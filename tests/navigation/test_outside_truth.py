@@ -19,7 +19,8 @@ from proxnav.flight.truth_files import true_states
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import R_eci_ric
 from proxnav.navigation.config import FilterNoise, NavigationConfig
-from proxnav.navigation.navigator import run_filter, scene_of
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.navigation.navigator import run_filter
 from proxnav.records.error_model import KeypointErrorModel
 from proxnav.targets.loading import load_target
 from proxnav.trajectories.read import read_trajectory
@@ -50,12 +51,12 @@ def flown(truth: Truth, noise: FilterNoise, seed: int) -> tuple[NavErrors, dict,
     """The filter for a free target over our sensors along somebody else's motion."""
     sensing = SensingConfig(DetectorConfig(sigma_px=2.0, sigma_m=0.0, errors=GOOD), gnss="code", accelerometer=None)
     records = sense(truth, load_target("space-rider"), CAMERA, sensing, np.random.default_rng(seed))
-    scene = scene_of(
+    setup = setup_of(
         records, points(), CAMERA, NavigationConfig(coupling="tight", target="free", noise=replace(noise, camera=GOOD))
     )
     t = np.arange(truth.t[0] + 5.0, truth.t[-1], 5.0)
-    states, judged, last = run_filter(records, scene, t)
-    return nav_errors(states, true_states(truth).at(t)), mean_nis(judged, truth.t[0] + 30.0), last.starts
+    states, judged, last = run_filter(records, setup, t)
+    return nav_errors(states, true_states(truth).at(t)), mean_nis(judged, truth.t[0] + 30.0), last.memory.starts
 
 
 def shirt(shared_data: Path, seconds: float) -> Truth:

@@ -4,54 +4,41 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry import Camera, quaternion
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, MU_EARTH
-from proxnav.navigation.belief import Scene
-from proxnav.navigation.config import GateConfig, NavigationConfig
-from proxnav.navigation.kernels.prediction import advance
-from proxnav.navigation.kernels.relative import gradient_transition
-from proxnav.navigation.kernels.update import keypoint_model, keypoint_update
-from proxnav.navigation.layout import FIXED, X_FIXED
-from proxnav.navigation.navigator import make_scene
+from proxnav.geometry.types import Points
+from proxnav.navigation.config import NavigationConfig
+from proxnav.navigation.filter_setup import Ephemeris, FilterSetup, filter_setup
+from proxnav.navigation.gates import POINT_GATE
+from proxnav.navigation.kernels.dynamics import advance
+from proxnav.navigation.kernels.gravity_gradient import gradient_transition
+from proxnav.navigation.kernels.keypoints import keypoint_model, keypoint_update
+from proxnav.navigation.layout import Covariance, E, StateVector, X, diagonal
 from proxnav.targets.loading import load_target
+
+_T, _DT = 10.0, 1.0
 
 
 def measure_speed(camera: Camera, target: str, repeats: int = 400) -> dict[str, float]:
     """Milliseconds: median and best of `repeats`, all keypoints seen and accepted."""
     points = np.ascontiguousarray(load_target(target).keypoints_m)
-    k = len(points)
-    x = np.zeros(X_FIXED + 2 * k + 6)
-    P = np.diag(np.r_[np.full(3, 0.1), np.full(FIXED - 3, 1e-3), np.ones(2 * k), np.full(6, 0.02)] ** 2)
-    x[0], x[6:10], x[10] = -30.0, quaternion.from_matrix(np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])), 1.0
-    lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
-    index, noise, scene = np.arange(k), NavigationConfig().noise_vector(True), _scene(points, camera)
-    gates, none, cov = GateConfig(), np.zeros(3), np.tile(2.0 * np.eye(2), (k, 1, 1))
-    frame_gates = gates.frame_gates(2 * k)
-
+    setup, k = _setup(points, camera), len(points)
+    (x, P), index, none = _state(setup), np.arange(k), np.zeros(3)
+    lens, cov, R_eci_ric = setup.lens, np.tile(2.0 * np.eye(2), (k, 1, 1)), np.eye(3)
     errors = np.diag(np.r_[np.full(3, 0.1), np.full(3, 0.01)] ** 2)
 
     def predict() -> tuple:
-        Phi, held = gradient_transition(*scene.ephemeris, 10.0, 1.0), scene.held(10.0)
-        return advance(x, P, Phi, 1.0, none, none, held, errors, noise)
+        Phi, control = gradient_transition(*setup.ephemeris, _T, _DT), setup.control(_T)
+        return advance(x, P, Phi, _DT, none, none, control, errors, setup.noise)
 
     moved, spread, _, _ = predict()
-    pixels = keypoint_model(moved, points, index, np.eye(3), lens)[0].reshape(-1, 2)
+    pixels = keypoint_model(moved, points, index, R_eci_ric, lens)[0].reshape(-1, 2)
 
     def update() -> tuple:
         return keypoint_update(
-            moved,
-            spread,
-            pixels,
-            cov,
-            points,
-            index,
-            np.eye(3),
-            lens,
-            scene.shares,
-            gates.keypoint_gate(),
-            frame_gates,
-            0.5,
+            moved, spread, pixels, cov, points, index, R_eci_ric, lens, setup.shares, POINT_GATE, setup.frame_gates
         )
 
     accepted = int(update()[3].sum())
@@ -63,16 +50,26 @@ def measure_speed(camera: Camera, target: str, repeats: int = 400) -> dict[str, 
     }  # fmt: skip
 
 
-def _scene(points_m: np.ndarray, camera: Camera) -> Scene:
-    """A circular orbit at 400 km."""
+def _setup(points_m: Points, camera: Camera) -> FilterSetup:
+    """A circular orbit at 400 km, each keypoint measured by itself."""
     radius, t = EARTH_EQUATORIAL_RADIUS + 400e3, np.arange(0.0, 100.0, 30.0)
     n = float(np.sqrt(MU_EARTH / radius**3))
     r = radius * np.stack([np.cos(n * t), np.sin(n * t), np.zeros_like(t)], axis=1)
     v = n * radius * np.stack([-np.sin(n * t), np.cos(n * t), np.zeros_like(t)], axis=1)
-    return make_scene((t, r, v), points_m, camera, NavigationConfig(), True)
+    return filter_setup(Ephemeris(t, r, v), points_m, camera, NavigationConfig(coupling="tight"), True)
 
 
-def _times(job: Callable[[], tuple], repeats: int) -> np.ndarray:
+def _state(setup: FilterSetup) -> tuple[StateVector, Covariance]:
+    """30 m from the target, looking at it."""
+    x, P = np.zeros(setup.layout.n_states), 1e-6 * np.eye(setup.layout.n_errors)
+    x[X.position], x[X.q_cam_target] = [-30.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+    x[X.q_eci_cam] = quaternion.from_matrix(np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]]))
+    points, pose = setup.layout.places(E.point_errors), setup.layout.places(E.pose_error)
+    P[diagonal(E.position)], P[points, points], P[pose, pose] = 0.1**2, 1.0, 0.02**2
+    return x, P
+
+
+def _times(job: Callable[[], tuple], repeats: int) -> Float[np.ndarray, "n"]:
     found = np.empty(repeats)
     for i in range(repeats):
         start = time.perf_counter()

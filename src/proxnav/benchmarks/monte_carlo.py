@@ -14,7 +14,8 @@ from proxnav.flight.truth import Truth
 from proxnav.flight.truth_files import true_states
 from proxnav.geometry import Camera, quaternion
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.navigator import run_filter, scene_of
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.navigation.navigator import run_filter
 from proxnav.records import NAV_STATUSES, SensorRecords, Trajectory
 from proxnav.targets.loading import load_target
 
@@ -71,14 +72,14 @@ def run_case(case: Case, job: RunJob) -> RunResult:
     target = load_target(job.target)
     truth, clean = simulate(_piece(job, rng), target, job.camera, job.simulation, rng)
     records = with_fault(clean, case.fault, rng)
-    scene = scene_of(records, target.keypoints_m, job.camera, job.filter)
+    setup = setup_of(records, target.keypoints_m, job.camera, job.filter)
     t = np.arange(truth.t[0] + EVERY_S, truth.t[-1], EVERY_S)
-    states, judged, last = run_filter(records, scene, t)
+    states, judged, last = run_filter(records, setup, t)
     found = nav_errors(states, true_states(truth).at(t))
     position, attitude = _single_frames(truth, clean)
     nis = mean_nis(judged, float(truth.t[0]) + 60.0)
     return RunResult(
-        found.range_m, found.errors, found.sigmas, found.nees, found.status, nis, position, attitude, last.starts
+        found.range_m, found.errors, found.sigmas, found.nees, found.status, nis, position, attitude, last.memory.starts
     )
 
 

@@ -16,7 +16,8 @@ from proxnav.flight.truth_files import TrueStates, read_truth
 from proxnav.geometry import Camera
 from proxnav.geometry.types import Points
 from proxnav.navigation.config import NavigationConfig
-from proxnav.navigation.navigator import run_filter, scene_of
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.navigation.navigator import run_filter
 from proxnav.navigation.smoother import smooth
 from proxnav.records import NavState
 from proxnav.storage.files import write_json
@@ -52,31 +53,31 @@ def solve_flight(
     """Filters the records and writes the solution, summary.json last; `progress` is told how many steps there are."""
     camera = how.camera or Camera.from_speed_json(str(records / "camera.json"))
     read = read_records(records)
-    scene = scene_of(read.records, how.keypoints_m, camera, how.filter)
+    setup = setup_of(read.records, how.keypoints_m, camera, how.filter)
     frames = read.records.keypoints or read.records.poses
     assert frames is not None
     times = np.arange(frames.t.min(), frames.t.max() + how.step_s, how.step_s)
     truth = _truth(records, how)
     if truth is not None:
         times = times[(times >= truth.t[0]) & (times <= truth.t[-1])]
-    states, judged, last = run_filter(read.records, scene, times, progress(len(times)))
+    states, judged, last = run_filter(read.records, setup, times, progress(len(times)))
     errors = nav_errors(states, truth.at(times)) if truth is not None else None
     _write(out, "solution", solution_columns(states, errors))
     if errors is not None and np.isfinite(errors.nees).any():
         figure = errors_in_3_sigma(errors.t, errors.errors, errors.sigmas)
         figure.savefig(out / "errors.png", dpi=90)
     if how.smooth:
-        smoothed = smooth(read.records, scene)
+        smoothed = smooth(read.records, setup)
         inside = [s for s in smoothed if truth is None or truth.t[0] <= s.t <= truth.t[-1]]
         at = np.array([s.t for s in inside])
         _write(
             out, "smoothed", solution_columns(inside, nav_errors(inside, truth.at(at)) if truth is not None else None)
         )
-    summary = {"rejected_rows": read.rejected, "readings": outcomes(judged), "starts": last.starts,
+    summary = {"rejected_rows": read.rejected, "readings": outcomes(judged), "starts": last.memory.starts,
                "mean_nis": {kind: value for kind, (value, _) in mean_nis(judged, times[0] + 60.0).items()}}  # fmt: skip
     summary |= accuracy(errors) if errors is not None else {}
     write_json(out / "summary.json", summary, indent=1)
-    return Solved(states, errors, read.rejected, last.starts)
+    return Solved(states, errors, read.rejected, last.memory.starts)
 
 
 def _truth(records: Path, how: Solving) -> TrueStates | None:

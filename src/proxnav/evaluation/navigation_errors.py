@@ -63,18 +63,18 @@ def state_error(state: NavState, truth: TrueStates, i: int) -> Float[np.ndarray,
 def mean_nis(judged: Sequence[Judged], after_s: float) -> dict[str, tuple[float, int]]:
     """Mean normalised innovation per degree of freedom, and the number of accepted readings, by sensor."""
     total: dict[str, list[float]] = {}
-    for event, verdict in judged:
-        if verdict.outcome == "accepted" and verdict.dof and event.t >= after_s:
-            row = total.setdefault(event.kind, [0.0, 0.0, 0.0])
+    for reading, verdict in judged:
+        if verdict.outcome == "accepted" and verdict.dof and reading.t >= after_s:
+            row = total.setdefault(reading.sensor, [0.0, 0.0, 0.0])
             row[0], row[1], row[2] = row[0] + verdict.nis, row[1] + verdict.dof, row[2] + 1
-    return {kind: (nis / dof, int(count)) for kind, (nis, dof, count) in total.items()}
+    return {sensor: (nis / dof, int(count)) for sensor, (nis, dof, count) in total.items()}
 
 
 def outcomes(judged: Sequence[Judged]) -> dict[str, dict[str, int]]:
     """How many readings of each sensor met which verdict."""
     counts: dict[str, dict[str, int]] = {}
-    for event, verdict in judged:
-        row = counts.setdefault(event.kind, {})
+    for reading, verdict in judged:
+        row = counts.setdefault(reading.sensor, {})
         row[verdict.outcome] = row.get(verdict.outcome, 0) + 1
         if verdict.gated_points:
             row["keypoints gated"] = row.get("keypoints gated", 0) + verdict.gated_points

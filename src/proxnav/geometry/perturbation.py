@@ -6,6 +6,9 @@ from jaxtyping import Float
 from proxnav.geometry import so3
 from proxnav.geometry.pose import Pose
 
+TRANSLATION, ROTATION = slice(0, 3), slice(3, 6)
+"""Blocks of (dt [m], dr [rad]) and of its covariance."""
+
 
 def difference(T_from: Pose, T_to: Pose) -> Float[np.ndarray, "6"]:
     """(dt, dr) that lead from one pose to another of the same frames: translation [m], rotation [rad], axes of a."""
@@ -19,4 +22,4 @@ def moved(pose: Pose, step: Float[np.ndarray, "6"]) -> Pose:
     >>> difference(Pose.identity("cam", "target"), moved(Pose.identity("cam", "target"), step)).round(9).tolist()
     [0.1, 0.0, -0.2, 0.0, 0.3, 0.0]
     """
-    return Pose.from_matrix(pose.a, pose.b, so3.exp(step[3:]) @ pose.R, pose.t_m + step[:3])
+    return Pose.from_matrix(pose.a, pose.b, so3.exp(step[ROTATION]) @ pose.R, pose.t_m + step[TRANSLATION])

@@ -10,6 +10,9 @@ from jaxtyping import Float
 from proxnav.geometry.celestial import R_eci_ric
 from proxnav.geometry.types import Vector3
 
+POSITION, VELOCITY = slice(0, 3), slice(3, 6)
+"""Blocks of a relative state (rho [m], rho_dot [m/s]), and of its transition."""
+
 
 def cw_transition(n: float, dt: float) -> Float[np.ndarray, "6 6"]:
     """Phi with (rho, rho_dot)(t + dt) = Phi (rho, rho_dot)(t), for the mean motion n [rad/s]."""

@@ -1,21 +1,177 @@
-"""Where each quantity lies in the filter's state vector x and in its error vector.
+"""Where each quantity lies in the filter's state vector x and in its error vector e, whose covariance is P.
 
-x:     r 0-3, v 3-6, q_eci_cam 6-10, q_cam_target 10-14, rate 14-17, gyro bias 17-20, acceleration 20-23, GNSS bias
-       23-26, camera errors from 26
-error: r 0-3, v 3-6, camera attitude 6-9, relative attitude 9-12, rate 12-15, gyro bias 15-18, acceleration 18-21, GNSS
-       bias 21-24, camera errors from 24
+Read them as `x[X.velocity]`, `P[E.velocity, E.velocity]`. Attitudes take four places in x and three in e, so the two
+differ behind them. Attitude errors are local: q_true = q * exp(error / 2), in camera axes for q_eci_cam and in target
+axes for q_cam_target.
 
-r, v: camera relative to the target's origin, RIC axes, rates in the rotating frame. Attitude errors are local:
-q_true = q * exp(error / 2), in camera axes for q_eci_cam and in target axes for q_cam_target. The camera errors are,
-with tight coupling, two of each keypoint in units of their own standard deviation; then always six of the whole pose:
-dt [m] in camera axes and dr [rad] in target axes, by which the camera sees the target displaced.
+What every filter carries has a fixed place. Compiled code takes X and E for constants: a name costs nothing there.
+What only some filters carry lies between that and the pose error, which ends both vectors; `Layout` counts it.
 """
 
-CORE = 21
-"""Errors with dynamics of their own; the rest only decay."""
-FIXED = 24
-"""Errors without the camera's."""
-X_FIXED = 26
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import NamedTuple
 
-PUBLISHED = (0, 1, 2, 3, 4, 5, 9, 10, 11, 12, 13, 14)
+import numpy as np
+from jaxtyping import Float, Int
+
+StateVector = Float[np.ndarray, "n_states"]
+ErrorVector = Float[np.ndarray, "n_errors"]
+Covariance = Float[np.ndarray, "n_errors n_errors"]
+PoseCovariance = Float[np.ndarray, "6 6"]
+"""Covariance of (dt [m], dr [rad]) of T_cam_target; the axes are in the variable's description."""
+
+
+class States(NamedTuple):
+    """Slices of the state vector x."""
+
+    position: slice
+    """Camera relative to the target's origin, RIC axes [m]."""
+    velocity: slice
+    """Rate of that position in the rotating RIC frame [m/s]."""
+    q_eci_cam: slice
+    q_cam_target: slice
+    rate: slice
+    """Inertial rate of the target, target axes [rad/s]."""
+    gyro_bias: slice
+    """Bias of the gyro, camera axes [rad/s]; without gyro minus the camera's rate itself."""
+    acceleration: slice
+    """Slow relative acceleration (differential drag), RIC axes [m/s^2]."""
+    gnss_bias: slice
+    """Slow error of the GNSS baseline, ECI axes [m]."""
+    motion: slice
+    """Position and velocity."""
+    vectors: slice
+    """All behind the attitudes, where errors add."""
+    camera_errors: slice
+    """Lasting errors of the camera: the points' own, then that of the pose."""
+    point_errors: slice
+    """Two of each keypoint, in units of their own standard deviation."""
+    pose_translation: slice
+    """By how much the camera sees the whole target displaced, camera axes [m]."""
+    pose_rotation: slice
+    """By how much the camera sees the whole target turned, target axes [rad]."""
+
+
+class Errors(NamedTuple):
+    """Slices of the error vector e, and of both axes of P."""
+
+    position: slice
+    velocity: slice
+    attitude_cam: slice
+    """Error of q_eci_cam, camera axes [rad]."""
+    attitude: slice
+    """Error of q_cam_target, target axes [rad]."""
+    rate: slice
+    gyro_bias: slice
+    acceleration: slice
+    gnss_bias: slice
+    motion: slice
+    attitudes: slice
+    vectors: slice
+    core: slice
+    """Errors with dynamics of their own."""
+    fading: slice
+    """Errors behind the core, which only decay."""
+    point_errors: slice
+    pose_error: slice
+    """Lasting error of the whole pose: translation, then rotation."""
+
+
+class FrameColumns(NamedTuple):
+    """Columns of H of a frame (a pose, or keypoints): the errors that it sees, the points' own apart."""
+
+    position: slice
+    attitude_cam: slice
+    attitude: slice
+    pose_translation: slice
+    pose_rotation: slice
+    attitudes: slice
+    pose_error: slice
+
+
+class GnssColumns(NamedTuple):
+    """Columns of H of a GNSS fix: the errors that it sees."""
+
+    position: slice
+    velocity: slice
+    attitude_cam: slice
+    attitude: slice
+    rate: slice
+    gyro_bias: slice
+    gnss_bias: slice
+
+
+def _in_a_row(*widths: int) -> Iterator[slice]:
+    return (slice(stop - width, stop) for width, stop in zip(widths, accumulate(widths), strict=True))
+
+
+def _states() -> States:
+    r, v, _, q, *_, gnss = blocks = tuple(_in_a_row(3, 3, 4, 4, 3, 3, 3, 3))
+    return States(
+        *blocks, motion=slice(r.start, v.stop), vectors=slice(q.stop, None), camera_errors=slice(gnss.stop, None),
+        point_errors=slice(gnss.stop, -N_POSE), pose_translation=slice(-N_POSE, -3), pose_rotation=slice(-3, None),
+    )  # fmt: skip
+
+
+def _errors() -> Errors:
+    r, v, turn_cam, turn, *_, acceleration, gnss = blocks = tuple(_in_a_row(3, 3, 3, 3, 3, 3, 3, 3))
+    return Errors(
+        *blocks, motion=slice(r.start, v.stop), attitudes=slice(turn_cam.start, turn.stop),
+        vectors=slice(turn.stop, None), core=slice(r.start, acceleration.stop), fading=slice(acceleration.stop, None),
+        point_errors=slice(gnss.stop, -N_POSE), pose_error=slice(-N_POSE, None),
+    )  # fmt: skip
+
+
+def _frame_columns() -> FrameColumns:
+    _, turn_cam, turn, translation, rotation = blocks = tuple(_in_a_row(3, 3, 3, 3, 3))
+    return FrameColumns(
+        *blocks, attitudes=slice(turn_cam.start, turn.stop), pose_error=slice(translation.start, rotation.stop)
+    )
+
+
+N_POSE = 6
+"""Errors of a whole pose, (dt [m], dr [rad])."""
+X, E = _states(), _errors()
+FRAME, GNSS = _frame_columns(), GnssColumns(*_in_a_row(3, 3, 3, 3, 3, 3, 3))
+
+N_CORE: int = E.core.stop
+N_FIXED: int = E.gnss_bias.stop
+"""Errors that every filter carries before those of its camera."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How long the vectors of one filter are."""
+
+    n_points: int
+    """Keypoints that carry lasting errors of their own: all with tight coupling, none with loose."""
+
+    @property
+    def n_states(self) -> int:
+        """Length of x."""
+        return X.gnss_bias.stop + 2 * self.n_points + N_POSE
+
+    @property
+    def n_errors(self) -> int:
+        """Length of e, and of both axes of P."""
+        return N_FIXED + 2 * self.n_points + N_POSE
+
+    def places(self, *blocks: slice) -> Int[np.ndarray, "n"]:
+        """Places of these blocks in the error vector, one after the other."""
+        return np.concatenate([np.arange(self.n_errors)[block] for block in blocks])
+
+
+_LOOSE = Layout(0)
+SEEN_BY_POSE = _LOOSE.places(E.position, E.attitudes, E.pose_error)
+SEEN_BY_GNSS = _LOOSE.places(E.motion, E.attitudes, E.rate, E.gyro_bias, E.gnss_bias)
+SEEN_BY_STAR_TRACKER = _LOOSE.places(E.attitude_cam)
+PUBLISHED = _LOOSE.places(E.motion, E.attitude, E.rate)
 """Errors that the navigation solution gives: position, velocity, relative attitude, target rate."""
+
+
+def diagonal(block: slice) -> tuple[Int[np.ndarray, "n"], Int[np.ndarray, "n"]]:
+    """Index of the diagonal of a block of P: `P[diagonal(E.rate)]` are the rate's variances."""
+    places = np.arange(block.start, block.stop)
+    return places, places

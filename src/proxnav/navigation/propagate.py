@@ -3,96 +3,109 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry import quaternion
-from proxnav.navigation.belief import Belief, Scene
-from proxnav.navigation.kernels.prediction import ANGLE_VAR, RATE_PSD, advance
-from proxnav.navigation.kernels.relative import gradient_transition
+from proxnav.geometry.types import Vector3
+from proxnav.navigation.belief import Belief, Tracking, Waiting
+from proxnav.navigation.filter_setup import FilterSetup
+from proxnav.navigation.kernels.dynamics import advance
+from proxnav.navigation.kernels.gravity_gradient import gradient_transition
+from proxnav.navigation.layout import E, X, diagonal
+from proxnav.navigation.process_noise import ANGLE_VAR, RATE_PSD
+from proxnav.navigation.readings import Acceleration, GyroReading
 
 _LONGEST_S = 2.0
 _GAP_S = 2.5
 """Gyro readings older than this are stale: the camera's rate may have changed meanwhile."""
+_STALE_RATE = 3e-4
+"""How wrong the last rate may be where gyro readings are missing [rad/s]."""
 _FREE_FORCES = 200
 """Coasting readings after which the accelerometer's bias is a running mean."""
+_BURN_MPS2 = 0.02
+"""Specific force of a burn, where nobody tells of thrusters: 2 mg, far above the accelerometer's noise and bias."""
+_BURN_SHARE = 2e-3
+"""Scale and alignment errors of a burn, as a share of it."""
 
-_NONE = np.zeros(3)
+_NO_RATE = np.zeros(3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
     """One prediction, kept for the smoother: error after = blockdiag(F, diag(d)) error before + noise."""
 
-    F: np.ndarray
-    d: np.ndarray
+    F: Float[np.ndarray, "n_core n_core"]
+    d: Float[np.ndarray, "n_fading"]
 
 
-def propagate(belief: Belief, t: float, scene: Scene, steps: list[Step] | None = None) -> Belief:
-    """The belief at `t`, not before its own time. Long gaps go in pieces; `steps` collects the transitions."""
+def propagate(belief: Belief, t: float, setup: FilterSetup, steps: list[Step] | None = None) -> Belief:
+    """The belief at `t`, not before its own time; `steps` collects the transitions of a state."""
+    if isinstance(belief, Waiting):
+        return replace(belief, t=max(t, belief.t))
+    return predicted(belief, t, setup, steps)
+
+
+def predicted(belief: Tracking, t: float, setup: FilterSetup, steps: list[Step] | None = None) -> Tracking:
+    """The state at `t`, not before its own time. Long gaps go in pieces."""
     while belief.t < t:
-        belief = _step(belief, min(t, belief.t + _LONGEST_S), scene, steps)
+        belief = _step(belief, min(t, belief.t + _LONGEST_S), setup, steps)
     return belief
 
 
-def take_gyro(belief: Belief, t: float, rate: np.ndarray, scene: Scene, steps: list[Step] | None = None) -> Belief:
-    """To `t` with the mean rate over the time since the last reading."""
-    if belief.t < t and t - belief.t > _LONGEST_S:
-        belief = propagate(belief, t - 1e-3, scene, steps)  # readings are missing: the new rate holds for its end only
-    belief = replace(belief, rate_cam=rate, gyro_t=t)
-    return propagate(belief, t, scene, steps)
+def turned(belief: Belief, reading: GyroReading, setup: FilterSetup, steps: list[Step] | None = None) -> Belief:
+    """To the reading's time with the mean rate over the time since the last one."""
+    if reading.t - belief.t > _LONGEST_S:  # readings are missing: the new rate holds for the end of the gap only
+        belief = propagate(belief, reading.t - 1e-3, setup, steps)
+    belief = replace(belief, memory=replace(belief.memory, gyro=reading))
+    return propagate(belief, reading.t, setup, steps)
 
 
-def take_force(
-    belief: Belief, t: float, reading: tuple[np.ndarray, float, float], scene: Scene, steps: list[Step] | None = None
-) -> Belief:
-    """To `t`; in a burn with the velocity that it gave, else the reading teaches the bias.
-
-    `reading`: specific force [m/s^2] in camera axes, thruster state (1, 0, -1), time that it covers.
-    """
-    force, thrust, dt = reading
-    belief = propagate(belief, t, scene, steps)
-    always = scene.config.accelerometer == "always"
-    felt = force if always else force - belief.force_bias
-    burning = thrust > 0.5 or (thrust < 0.0 and np.linalg.norm(felt) > scene.config.burn_threshold_mps2)
-    if not (burning or always):
-        count = min(belief.force_count + 1, _FREE_FORCES * 10)
-        bias = belief.force_bias + (force - belief.force_bias) / count
-        return replace(belief, force_bias=bias, force_count=count)
-    return belief if belief.x is None else _kick(belief, felt * dt, dt, scene)
+def pushed(belief: Belief, reading: Acceleration, setup: FilterSetup, steps: list[Step] | None = None) -> Belief:
+    """To the reading's time; in a burn with the velocity that it gave, else the reading teaches the bias."""
+    belief = propagate(belief, reading.t, setup, steps)
+    force, memory = reading.specific_force, belief.memory
+    always = setup.config.accelerometer == "always"
+    felt = force if always else force - memory.force_bias
+    burning = reading.thrust > 0.5 or (reading.thrust < 0.0 and np.linalg.norm(felt) > _BURN_MPS2)
+    if burning or always:
+        return belief if isinstance(belief, Waiting) else _kicked(belief, felt * reading.step_s, reading.step_s, setup)
+    count = min(memory.force_count + 1, _FREE_FORCES * 10)
+    bias = memory.force_bias + (force - memory.force_bias) / count
+    return replace(belief, memory=replace(memory, force_bias=bias, force_count=count))
 
 
-def _kick(belief: Belief, dv_cam: np.ndarray, dt: float, scene: Scene) -> Belief:
-    """Velocity gained in one reading, camera axes; half a reading's worth of way goes with it."""
-    assert belief.x is not None
-    assert belief.P is not None
-    R_ric_cam = scene.orbit(belief.t)[2].T @ quaternion.to_matrix(belief.x[6:10])
+def _kicked(belief: Tracking, dv_cam: Vector3, dt: float, setup: FilterSetup) -> Tracking:
+    """With the velocity gained in one reading, camera axes; half a reading's worth of way goes with it."""
+    R_ric_cam = setup.R_eci_ric(belief.t).T @ quaternion.to_matrix(belief.x[X.q_eci_cam])
     dv = R_ric_cam @ dv_cam
-    noise = scene.config.noise
-    variance = noise.accelerometer**2 * dt + noise.burn_share**2 * float(dv @ dv)
+    square = float(dv @ dv)
+    variance = setup.config.noise.accelerometer**2 * dt + _BURN_SHARE**2 * square
     x, P = belief.x.copy(), belief.P.copy()
-    x[3:6] += dv
-    x[:3] += 0.5 * dt * dv
-    P[range(3, 6), range(3, 6)] += variance
-    P[range(3), range(3)] += 0.25 * dt * dt * (variance + float(dv @ dv))
+    x[X.velocity] += dv
+    x[X.position] += 0.5 * dt * dv
+    P[diagonal(E.velocity)] += variance
+    P[diagonal(E.position)] += 0.25 * dt * dt * (variance + square)
     return replace(belief, x=x, P=P)
 
 
-def _step(belief: Belief, t: float, scene: Scene, steps: list[Step] | None) -> Belief:
-    if belief.x is None or belief.P is None:
-        return replace(belief, t=t)
-    dt = t - belief.t
-    noise = scene.noise.copy()
-    if scene.has_gyro and t - belief.gyro_t > _GAP_S:
-        noise[ANGLE_VAR] = (scene.config.noise.held_rate * dt) ** 2 + scene.config.noise.held_rate**2 * dt
-    if scene.inertia[0] > 0.0:
-        noise[RATE_PSD] += _inertia_psd(belief.x[14:17], scene.config.inertia_sigma)
-    rate = belief.rate_cam if scene.has_gyro else _NONE
-    Phi, held = gradient_transition(*scene.ephemeris, belief.t, dt), scene.held(belief.t)
-    x, P, F, d = advance(belief.x, belief.P, Phi, dt, rate, scene.inertia, held, belief.pose_errors, noise)
+def _step(belief: Tracking, t: float, setup: FilterSetup, steps: list[Step] | None) -> Tracking:
+    dt, gyro = t - belief.t, belief.memory.gyro
+    noise = setup.noise.copy()
+    if setup.has_gyro and t - gyro.t > _GAP_S:
+        noise[ANGLE_VAR] = (_STALE_RATE * dt) ** 2 + _STALE_RATE**2 * dt
+    if setup.inertia[0] > 0.0:
+        noise[RATE_PSD] += _inertia_psd(belief.x[X.rate], setup.config.inertia_sigma)
+    rate = gyro.rate_cam if setup.has_gyro else _NO_RATE
+    Phi, control = gradient_transition(*setup.ephemeris, belief.t, dt), setup.control(belief.t)
+    x, P, F, d = advance(belief.x, belief.P, Phi, dt, rate, setup.inertia, control, belief.pose_errors, noise)
     if steps is not None:
         steps.append(Step(F, d))
     return replace(belief, t=t, x=x, P=P)
 
 
-def _inertia_psd(rate: np.ndarray, sigma: float) -> float:
-    """Of the angular acceleration that wrong moments leave out: sigma w^2, which turns with the body at about w."""
+def _inertia_psd(rate: Vector3, sigma: float) -> float:
+    """Power density of the angular acceleration that wrong moments leave out [rad^2/s^3].
+
+    It is sigma w^2, which turns with the body at about w.
+    """
     return sigma**2 * float(np.linalg.norm(rate)) ** 3

@@ -10,12 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from proxnav.navigation.belief import Belief, Scene, nav_state
-from proxnav.navigation.events import Event, apply, events
-from proxnav.navigation.kernels.prediction import corrected, relative_error
-from proxnav.navigation.layout import CORE
-from proxnav.navigation.observe import in_target_axes, lasting_of_keypoints, lasting_of_pose
-from proxnav.navigation.propagate import Step, propagate
+from proxnav.navigation.apply import apply
+from proxnav.navigation.belief import Belief, Tracking, Waiting, nav_state
+from proxnav.navigation.filter_setup import FilterSetup
+from proxnav.navigation.kernels.error_state import corrected, relative_error
+from proxnav.navigation.layout import N_CORE, Covariance, StateVector
+from proxnav.navigation.measurements import in_target_axes, lasting_of_keypoints, lasting_of_pose
+from proxnav.navigation.propagate import Step, predicted
+from proxnav.navigation.readings import Acceleration, GyroReading, KeypointFrame, PoseFix, Reading, rank
+from proxnav.navigation.stream import readings
 from proxnav.records import NavState, SensorRecords
 
 
@@ -23,77 +26,64 @@ from proxnav.records import NavState, SensorRecords
 class _Node:
     """Filtered belief at one instant and the way to the next: its prediction and the transition to it."""
 
-    belief: Belief
-    predicted: Belief
-    F: np.ndarray
-    d: np.ndarray
+    filtered: Tracking
+    predicted: Tracking
+    step: Step
 
 
-def smooth(records: SensorRecords, scene: Scene) -> list[NavState]:
+def smooth(records: SensorRecords, setup: FilterSetup) -> list[NavState]:
     """Smoothed states at the instants of fixes and frames, since the filter's last start."""
-    nodes, last = _forward(events(records, scene), scene)
-    beliefs = [last]
-    x, P = last.x, last.P
+    nodes, last = _forward(readings(records, setup), setup)
+    if isinstance(last, Waiting):
+        return []
+    x, P, beliefs = last.x, last.P, [last]
     for node in reversed(nodes):
         x, P = _back(node, x, P)
-        beliefs.append(replace(node.belief, x=x, P=P))
-    states = (nav_state(belief, scene) for belief in reversed(beliefs))
-    return [state for state in states if state is not None]
+        beliefs.append(replace(node.filtered, x=x, P=P))
+    return [nav_state(belief, setup) for belief in reversed(beliefs)]
 
 
-def _forward(stream: Sequence[Event], scene: Scene) -> tuple[list[_Node], Belief]:
-    """Nodes in order of time; a new start of the filter forgets what was before."""
-    ordered = sorted(stream, key=lambda event: event.rank)
-    belief = Belief(ordered[0].t if ordered else 0.0)
+def _forward(stream: Sequence[Reading], setup: FilterSetup) -> tuple[list[_Node], Belief]:
+    """Nodes in order of time and the belief after the last; a new start of the filter forgets what was before."""
+    ordered = sorted(stream, key=rank)
+    belief: Belief = Waiting(ordered[0].t if ordered else 0.0)
+    mark: Belief = belief
     nodes: list[_Node] = []
-    starts, mark, before, steps = 0, belief, belief, []
-    for event in ordered:
-        moved: list[Step] = []
-        kicked = event.kind == "accelerometer"
-        after, _ = apply(belief, event, scene, moved)
-        steps.extend(moved)
-        if after.starts != starts:
-            starts, nodes, steps, mark = after.starts, [], [], after
-        elif after.x is not None and not kicked and event.kind != "gyro":
-            before = _predicted(belief, event, scene)
-            if steps and mark.x is not None:
-                nodes.append(_Node(mark, before, *_combined(steps)))
-                steps, mark = [], after
-            else:
-                mark = after
+    steps: list[Step] = []
+    for reading in ordered:
+        after, _ = apply(belief, reading, setup, steps)
+        if after.memory.starts != belief.memory.starts:
+            nodes, steps, mark = [], [], after
+        elif isinstance(belief, Tracking) and not isinstance(reading, GyroReading | Acceleration):
+            if steps and isinstance(mark, Tracking):
+                nodes.append(_Node(mark, _met(belief, reading, setup), _combined(steps)))
+                steps = []
+            mark = after
         belief = after
     return nodes, mark
 
 
-def _predicted(belief: Belief, event: Event, scene: Scene) -> Belief:
+def _met(belief: Tracking, reading: Reading, setup: FilterSetup) -> Tracking:
     """The belief as it meets the measurement."""
-    moved = propagate(belief, event.t, scene)
-    if event.kind == "poses" and scene.config.coupling == "loose":
-        q, _, cov = event.values
-        return lasting_of_pose(moved, in_target_axes(cov, q), scene)
-    if event.kind == "keypoints":
-        pixels, cov = event.values
-        return lasting_of_keypoints(moved, pixels, cov, scene)
+    moved = predicted(belief, reading.t, setup)
+    if isinstance(reading, PoseFix) and setup.config.coupling == "loose":
+        return lasting_of_pose(moved, in_target_axes(reading.covariance, reading.q_cam_target), setup)
+    if isinstance(reading, KeypointFrame):
+        return lasting_of_keypoints(moved, reading, setup)
     return moved
 
 
-def _combined(steps: Sequence[Step]) -> tuple[np.ndarray, np.ndarray]:
+def _combined(steps: Sequence[Step]) -> Step:
     F, d = steps[0].F, steps[0].d
     for step in steps[1:]:
         F, d = step.F @ F, step.d * d
-    return F, d
+    return Step(F, d)
 
 
-def _back(node: _Node, x: np.ndarray | None, P: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def _back(node: _Node, x: StateVector, P: Covariance) -> tuple[StateVector, Covariance]:
     """C = P F^T P_pred^-1; e = C (x_s - x_pred); P_s = P + C (P_s' - P_pred) C^T."""
-    filtered, predicted = node.belief, node.predicted
-    assert x is not None
-    assert P is not None
-    assert filtered.x is not None
-    assert filtered.P is not None
-    assert predicted.x is not None
-    assert predicted.P is not None
-    FP = np.concatenate([node.F @ filtered.P[:CORE], node.d[:, None] * filtered.P[CORE:]])
+    filtered, predicted, step = node.filtered, node.predicted, node.step
+    FP = np.concatenate([step.F @ filtered.P[:N_CORE], step.d[:, None] * filtered.P[N_CORE:]])
     scale = np.sqrt(np.diagonal(predicted.P))
     factor = cho_factor(predicted.P / np.outer(scale, scale))
     C = (cho_solve(factor, FP / scale[:, None]) / scale[:, None]).T

@@ -19,6 +19,11 @@ NAV_STATUSES: tuple[NavStatus, ...] = ("waiting", "tracking", "coasting", "lost"
 NAV_ERRORS = ("r", "v", "theta", "omega")
 """Blocks of three of the solution's covariance: RIC position and velocity, attitude and rate in target axes."""
 
+CHASER_ANTENNA_CAM_M = (0.0, -0.15, -0.1)
+"""Where the chaser's GNSS antenna sits unless told otherwise, camera axes [m]."""
+TARGET_ANTENNA_TARGET_M = (-2.0, 0.0, -1.2)
+"""Where the target's GNSS antenna sits unless told otherwise, target axes [m]."""
+
 
 def _freeze(record: object, n: int, shapes: dict[str, tuple[int | None, ...]]) -> None:
     for f in fields(record):  # type: ignore[arg-type]

@@ -9,7 +9,10 @@ from proxnav.geometry.compiled.kernel import kernel
 
 @kernel
 def orbit_at(times, r, v, t):
-    """(r, v, R_eci_ric, rate) by cubic Hermite interpolation; beyond the ends the last piece goes on."""
+    """(r [m], v [m/s], R_eci_ric, orbital rate [rad/s]) by cubic Hermite interpolation of the ephemeris rows.
+
+    Beyond the ends the last piece goes on.
+    """
     k = min(max(np.searchsorted(times, t) - 1, 0), len(times) - 2)
     h = times[k + 1] - times[k]
     s = (t - times[k]) / h
@@ -24,3 +27,11 @@ def orbit_at(times, r, v, t):
     R[:, 0], R[:, 2] = position / radius, momentum / size
     R[:, 1] = np.cross(R[:, 2], R[:, 0])
     return position, velocity, R, size / (radius * radius)
+
+
+@kernel
+def ric_turning(n):
+    """[w]x of RIC in its own axes, which turn about the third with n [rad/s]."""
+    W = np.zeros((3, 3))
+    W[0, 1], W[1, 0] = -n, n
+    return W

@@ -6,7 +6,8 @@ import numpy as np
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_J2, MU_EARTH
 from proxnav.geometry.compiled.kernel import kernel
-from proxnav.navigation.kernels.orbit import orbit_at
+from proxnav.geometry.relative_motion import POSITION, VELOCITY
+from proxnav.navigation.kernels.orbit import orbit_at, ric_turning
 
 
 @kernel
@@ -30,32 +31,30 @@ def gradient_transition(times, r, v, t, dt):
     """Phi of (rho, rho_dot) in RIC over dt, a few seconds at most: exact in the frame's turning, gradient at mid-step.
 
     In ECI axes the relative state obeys rho'' = G rho; T turns it from RIC, where velocities are those of the rotating
-    frame: Phi = T(t + dt)^-1 exp([[0, I], [G, 0]] dt) T(t).
+    frame: T(t + dt)^-1 exp([[0, I], [G, 0]] dt) T(t).
     """
     _, _, R0, n0 = orbit_at(times, r, v, t)
     middle, _, _, _ = orbit_at(times, r, v, t + 0.5 * dt)
     _, _, R1, n1 = orbit_at(times, r, v, t + dt)
     G, one = gravity_gradient(middle), np.eye(3)
-    E = np.empty((6, 6))
-    E[:3, :3] = one + 0.5 * dt * dt * G
-    E[3:, 3:] = E[:3, :3]
-    E[:3, 3:], E[3:, :3] = dt * one + dt**3 / 6.0 * G, dt * G + dt**3 / 6.0 * (G @ G)
-    return _from_inertial(R1, n1) @ E @ _to_inertial(R0, n0)
+    Phi = np.empty((6, 6))
+    Phi[POSITION, POSITION] = Phi[VELOCITY, VELOCITY] = one + 0.5 * dt * dt * G
+    Phi[POSITION, VELOCITY] = dt * one + dt**3 / 6.0 * G
+    Phi[VELOCITY, POSITION] = dt * G + dt**3 / 6.0 * (G @ G)
+    return _from_inertial(R1, n1) @ Phi @ _to_inertial(R0, n0)
 
 
 @kernel
 def _to_inertial(R, n):
-    W = np.zeros((3, 3))
-    W[0, 1], W[1, 0] = -n, n
+    """(rho, rho_dot) in RIC axes R, which turn with n [rad/s], to inertial ones."""
     T = np.zeros((6, 6))
-    T[:3, :3], T[3:, 3:], T[3:, :3] = R, R, R @ W
+    T[POSITION, POSITION], T[VELOCITY, VELOCITY], T[VELOCITY, POSITION] = R, R, R @ ric_turning(n)
     return T
 
 
 @kernel
 def _from_inertial(R, n):
-    W = np.zeros((3, 3))
-    W[0, 1], W[1, 0] = -n, n
+    """Inverse of `_to_inertial`."""
     T = np.zeros((6, 6))
-    T[:3, :3], T[3:, 3:], T[3:, :3] = R.T, R.T, -W @ R.T
+    T[POSITION, POSITION], T[VELOCITY, VELOCITY], T[VELOCITY, POSITION] = R.T, R.T, -ric_turning(n) @ R.T
     return T

@@ -1,0 +1,189 @@
+"""Measurements into a belief: gates first, then Joseph-form updates. Each gives the new belief and a verdict."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from proxnav.geometry.compiled.rotations import conjugate, exp, log, multiply, skew, to_matrix
+from proxnav.geometry.perturbation import ROTATION, TRANSLATION
+from proxnav.geometry.types import QuatWxyz, Rotation3x3, Vector3
+from proxnav.navigation.belief import Tracking
+from proxnav.navigation.filter_setup import FilterSetup
+from proxnav.navigation.gates import GNSS_GATE, POINT_GATE, POSE_GATE, STAR_GATE
+from proxnav.navigation.kernels.error_state import corrected, reset
+from proxnav.navigation.kernels.gnss import gnss_model
+from proxnav.navigation.kernels.joseph import joseph
+from proxnav.navigation.kernels.keypoints import keypoint_model, keypoint_update, pose_covariance
+from proxnav.navigation.layout import (
+    FRAME,
+    N_POSE,
+    SEEN_BY_GNSS,
+    SEEN_BY_POSE,
+    SEEN_BY_STAR_TRACKER,
+    Covariance,
+    E,
+    PoseCovariance,
+    StateVector,
+    X,
+    diagonal,
+)
+from proxnav.navigation.readings import GnssFix, KeypointFrame, PoseFix, StarFix
+
+_WINDOW = 16
+"""So many last frames are judged together..."""
+_MOST_REFUSED = 0.7
+"""... and with more than this share of them refused the filter is lost: the next pose starts it again."""
+_STREAK = 8
+"""So many refused fixes in a row and the filter gives the fix its way: attitude, gyro bias or GNSS bias restart."""
+_NO_RATE = np.zeros(3)
+
+Outcome = Literal["accepted", "gated", "no_points", "not_started", "started", "late", "duplicate", "ahead", "invalid"]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What became of a measurement."""
+
+    outcome: Outcome
+    nis: float = float("nan")
+    """Normalised innovation squared, `dof` on average when the filter is honest."""
+    dof: int = 0
+    gated_points: int = 0
+    """Keypoints of an accepted frame that were refused by themselves."""
+
+
+def take_keypoints(belief: Tracking, frame: KeypointFrame, setup: FilterSetup) -> tuple[Tracking, Verdict]:
+    """A frame of keypoints, each measured by itself."""
+    index = _found(frame)
+    if len(index) == 0:
+        return belief, Verdict("no_points")
+    belief = lasting_of_keypoints(belief, frame, setup)
+    x, P, is_accepted, used, nis, C = keypoint_update(
+        belief.x, belief.P, frame.pixels, frame.covariances_px2, setup.points_m, index, setup.R_eci_ric(belief.t),
+        setup.lens, setup.shares, POINT_GATE, setup.frame_gates,
+    )  # fmt: skip
+    if not is_accepted:
+        return _frame_refused(belief), Verdict("gated", float(nis))
+    count = int(used.sum())
+    belief = replace(belief, pose_errors=setup.lasting_pose_share * C)
+    return _frame_accepted(belief, x, P), Verdict("accepted", float(nis), 2 * count, len(index) - count)
+
+
+def take_pose(belief: Tracking, fix: PoseFix, setup: FilterSetup) -> tuple[Tracking, Verdict]:
+    """A pose of the pose solver; part of its error lasts from frame to frame."""
+    x, C = belief.x, in_target_axes(fix.covariance, fix.q_cam_target)
+    belief = lasting_of_pose(belief, C, setup)
+    H, t_hat, q_hat = pose_model(x, setup.R_eci_ric(belief.t))
+    y = np.concatenate([fix.t_cam_target_m - t_hat, log(multiply(conjugate(q_hat), fix.q_cam_target))])
+    e, P, nis = joseph(belief.P, SEEN_BY_POSE, H, setup.config.noise.poses.white_share * C, y)
+    if not nis <= POSE_GATE:
+        return _frame_refused(belief), Verdict("gated", float(nis))
+    belief = replace(belief, pose_errors=setup.lasting_pose_share * C)
+    return _frame_accepted(belief, corrected(x, e), reset(P, e)), Verdict("accepted", float(nis), N_POSE)
+
+
+def take_star_fix(belief: Tracking, fix: StarFix, setup: FilterSetup) -> tuple[Tracking, Verdict]:
+    """Attitude of the camera; a row of refusals says that the gyro is not what it was: its bias starts anew."""
+    y = log(multiply(conjugate(belief.x[X.q_eci_cam]), fix.q_eci_cam))
+    e, P, nis = joseph(belief.P, SEEN_BY_STAR_TRACKER, np.eye(3), np.diag(fix.sigma_rad**2), y)
+    if nis <= STAR_GATE:
+        belief = replace(belief, x=corrected(belief.x, e), P=reset(P, e), star_streak=0)
+        return belief, Verdict("accepted", float(nis), len(y))
+    belief = replace(belief, star_streak=belief.star_streak + 1)
+    if belief.star_streak >= _STREAK:
+        belief = replace(belief, P=_loosened_gyro(belief.P, setup, y), star_streak=0)
+    return belief, Verdict("gated", float(nis))
+
+
+def take_gnss(belief: Tracking, fix: GnssFix, setup: FilterSetup) -> tuple[Tracking, Verdict]:
+    """Baseline between the antennas and its rate. A row of refusals: the GNSS bias starts anew."""
+    _, _, R_eci_ric, rate = setup.orbit(belief.t)
+    rate_cam = belief.memory.gyro.rate_cam if setup.has_gyro else _NO_RATE
+    H, h = gnss_model(belief.x, R_eci_ric, rate, rate_cam, setup.chaser_antenna_cam_m, setup.target_antenna_target_m)
+    y = np.concatenate([fix.position_m, fix.velocity_mps]) - h
+    R = np.diag(np.repeat(np.square((fix.sigma_position_m, fix.sigma_velocity_mps)), 3))
+    e, P, nis = joseph(belief.P, SEEN_BY_GNSS, H, R, y)
+    if nis <= GNSS_GATE:
+        belief = replace(belief, x=corrected(belief.x, e), P=reset(P, e), gnss_streak=0)
+        return belief, Verdict("accepted", float(nis), len(y))
+    belief = replace(belief, gnss_streak=belief.gnss_streak + 1)
+    if belief.gnss_streak >= _STREAK:
+        P = decoupled(belief.P, E.gnss_bias, 10.0 * setup.config.noise.gnss_bias_m)
+        belief = replace(belief, P=P, gnss_streak=0)
+    return belief, Verdict("gated", float(nis))
+
+
+def lasting_of_keypoints(belief: Tracking, frame: KeypointFrame, setup: FilterSetup) -> Tracking:
+    """`redrawn` in the size of these keypoints' pose, where no frame just before has told it."""
+    index = _found(frame)
+    if len(index) == 0 or (belief.pose_errors.any() and not belief.has_coasted):
+        return belief
+    _, H = keypoint_model(belief.x, setup.points_m, index, setup.R_eci_ric(belief.t), setup.lens)
+    C = pose_covariance(H, frame.covariances_px2[index], np.linalg.norm(belief.x[X.position]))
+    return redrawn(belief, C, setup)
+
+
+def lasting_of_pose(belief: Tracking, C: PoseCovariance, setup: FilterSetup) -> Tracking:
+    """`redrawn` after a time without frames."""
+    return redrawn(belief, C, setup) if belief.has_coasted else belief
+
+
+def redrawn(belief: Tracking, C: PoseCovariance, setup: FilterSetup) -> Tracking:
+    """What the lasting pose error forgot since the last frame comes anew in the size of this view, not of that one.
+
+    C: claimed covariance of the pose in this view, dr in target axes.
+    """
+    errors, P = setup.lasting_pose_share * C, belief.P.copy()
+    keep = np.exp(-(belief.t - belief.camera_t) / setup.lasting_tau_s)
+    known = belief.pose_errors
+    P[E.pose_error, E.pose_error] += (1.0 - keep**2) * (errors - known) if known.any() else errors
+    return replace(belief, P=P, pose_errors=errors)
+
+
+def pose_model(x: StateVector, R_eci_ric: Rotation3x3) -> tuple[Float[np.ndarray, "6 n_columns"], Vector3, QuatWxyz]:
+    """(H of (dt in camera, dr in target axes), predicted t [m], predicted q) of T_cam_target."""
+    R_cam_ric = to_matrix(x[X.q_eci_cam]).T @ R_eci_ric
+    t = -R_cam_ric @ x[X.position]
+    H = np.zeros((N_POSE, len(SEEN_BY_POSE)))
+    H[TRANSLATION, FRAME.position], H[TRANSLATION, FRAME.attitude_cam] = -R_cam_ric, skew(t)
+    H[ROTATION, FRAME.attitude], H[:, FRAME.pose_error] = np.eye(3), np.eye(N_POSE)
+    return H, t + x[X.pose_translation], multiply(x[X.q_cam_target], exp(x[X.pose_rotation]))
+
+
+def in_target_axes(cov: PoseCovariance, q_cam_target: QuatWxyz) -> PoseCovariance:
+    """Covariance of (dt, dr) in camera axes, with dr in target axes instead."""
+    A = np.eye(N_POSE)
+    A[ROTATION, ROTATION] = to_matrix(q_cam_target).T
+    return A @ cov @ A.T
+
+
+def decoupled(P: Covariance, block: slice, sigma: float) -> Covariance:
+    """P with the errors of one block unknown to `sigma` and independent of the others."""
+    out = P.copy()
+    out[block, :], out[:, block] = 0.0, 0.0
+    out[diagonal(block)] = sigma**2
+    return out
+
+
+def _loosened_gyro(P: Covariance, setup: FilterSetup, y: Vector3) -> Covariance:
+    """Attitude as wrong as the fix says, bias as unknown as at the start; the relative attitude keeps its own."""
+    P = decoupled(P, E.gyro_bias, 10.0 * setup.config.noise.gyro_bias)
+    P[diagonal(E.attitudes)] += 4.0 * float(y @ y) + 1e-6
+    return P
+
+
+def _found(frame: KeypointFrame) -> Int[np.ndarray, "n_found"]:
+    """Keypoints that the frame has."""
+    return np.flatnonzero(np.isfinite(frame.pixels[:, 0]) & np.isfinite(frame.covariances_px2[:, 0, 0]))
+
+
+def _frame_accepted(belief: Tracking, x: StateVector, P: Covariance) -> Tracking:
+    return replace(belief, x=x, P=P, frames=(*belief.frames, True)[-_WINDOW:], camera_t=belief.t)
+
+
+def _frame_refused(belief: Tracking) -> Tracking:
+    frames = (*belief.frames, False)[-_WINDOW:]
+    lost = len(frames) == _WINDOW and frames.count(False) > _MOST_REFUSED * _WINDOW
+    return replace(belief, frames=frames, is_lost=belief.is_lost or lost)

@@ -1,0 +1,31 @@
+"""Process noise as the compiled prediction takes it, and what of it nobody can choose."""
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.navigation.config import NavigationConfig
+
+SLOW_ACCELERATION = (2e-8, 2.5e-7, 2e-8)
+"""Differential drag [m/s^2, one sigma] in RIC axes, a first-order Gauss-Markov process; it acts along the flight."""
+SLOW_TAU_S = 3000.0
+"""How long it lasts: about half a revolution, over which density changes from day to night."""
+RATE_WALK_WITHOUT_GYRO = 1.1e-4
+"""Wandering of the camera's own rate where no gyro measures it [rad/s per sqrt(s)], as its pointing control shows."""
+
+(
+    ACCELERATION_PSD, GYRO_PSD, BIAS_PSD, RATE_PSD, GNSS_SIGMA, GNSS_TAU, CAMERA_TAU, ANGLE_VAR,
+) = range(8)  # fmt: skip
+"""Places in `noise_vector`."""
+
+
+def noise_vector(config: NavigationConfig, has_gyro: bool) -> Float[np.ndarray, "8"]:
+    """Power densities, standard deviations and time constants, SI; the last is a variance that one step adds."""
+    n = config.noise
+    noise = np.zeros(8)
+    noise[ACCELERATION_PSD] = n.acceleration**2
+    noise[GYRO_PSD] = n.gyro**2 if has_gyro else 0.0
+    noise[BIAS_PSD] = (n.gyro_bias_walk if has_gyro else RATE_WALK_WITHOUT_GYRO) ** 2
+    noise[RATE_PSD] = (config.held.rate_walk if config.target == "held" else n.free_rate_walk) ** 2
+    noise[GNSS_SIGMA], noise[GNSS_TAU] = n.gnss_bias_m, n.gnss_tau_s
+    noise[CAMERA_TAU] = n.camera.tau_s if config.coupling == "tight" else n.poses.tau_s
+    return noise
