@@ -11,12 +11,12 @@ from hypothesis.extra.numpy import arrays
 
 from boxcraft import QUADS, boxcraft
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.compiled.perturbation import difference as compiled_difference
 from proxnav.geometry.perturbation import difference, moved
 from proxnav.pose.align import AlignConfig, Prior, align
 from proxnav.pose.align.config import USUAL_DOUBT
 from proxnav.pose.align.evidence import edge_share, region_misfit
 from proxnav.pose.align.kernels.edges import edge_equations
-from proxnav.pose.align.kernels.steps import offset_from
 from proxnav.pose.align.outline import outline
 from proxnav.pose.align.view import View, target_box
 from proxnav.pose.align.wireframe import wireframe
@@ -162,7 +162,7 @@ def test_offsets_along_normals_are_those_of_a_step_edge():
 @given(arrays(np.float64, 6, elements=st.floats(-1.5, 1.5)))
 def test_the_kernel_measures_offsets_as_geometry_does(step):
     there, d = moved(POSE, step), np.empty(6)
-    offset_from(POSE.R, POSE.t_m, there.R, there.t_m, d)
+    compiled_difference(POSE.R, POSE.t_m, there.R, there.t_m, d)
     np.testing.assert_allclose(d, step, atol=1e-7)
 
 

@@ -6,9 +6,10 @@ import trimesh
 from raycast_shapes import MATT, plate, scene, target
 
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.compiled.lens import lens_numbers
 from proxnav.records import Window
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
-from proxnav.rendering.raycast.rays import camera_numbers, cast
+from proxnav.rendering.raycast.rays import cast
 from proxnav.targets import Material
 
 CAMERA = Camera(200, 160, 300.0, 310.0, 97.0, 83.0)
@@ -35,7 +36,7 @@ def oblique(distance: float = 14.0) -> Pose:
 def test_rays_are_those_of_the_camera(camera: Camera, rng: np.random.Generator) -> None:
     places = rng.uniform((-3, -3), (203, 163), (500, 2))
     rays, origins, directions = np.empty((500, 3)), np.empty((500, 3), np.float32), np.empty((500, 3), np.float32)
-    cast(places, camera_numbers(camera), np.eye(3), np.zeros(3), np.zeros(3), 1.0, rays, origins, directions)
+    cast(places, lens_numbers(camera), np.eye(3), np.zeros(3), np.zeros(3), 1.0, rays, origins, directions)
     np.testing.assert_allclose(rays, camera.unproject(places), atol=1e-9)
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from proxnav.geometry.compiled.kernel import kernel
+from proxnav.geometry.compiled.vectors import dot
 
 
 @kernel
@@ -64,3 +65,32 @@ def skew(v):
     K[0, 1], K[0, 2], K[1, 0] = -v[2], v[1], v[2]
     K[1, 2], K[2, 0], K[2, 1] = -v[0], -v[1], v[0]
     return K
+
+
+@kernel
+def log_matrix(R):
+    """Rotation vector [rad] of a matrix, for turns below half a turn."""
+    v = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sine = math.sqrt(dot(v, v))
+    if sine < 1e-12:
+        return v
+    return v * (math.atan2(sine, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)) / sine)
+
+
+@kernel
+def from_matrix(R):
+    """Unit quaternion wxyz of a rotation matrix, largest component first computed (S. W. Shepperd, 1978)."""
+    q = np.empty(4)
+    trace = R[0, 0] + R[1, 1] + R[2, 2]
+    i = 0
+    for k in range(1, 3):
+        if R[k, k] > R[i, i]:
+            i = k
+    if trace > R[i, i]:
+        q[0] = 1.0 + trace
+        q[1], q[2], q[3] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    else:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q[0], q[1 + i] = R[k, j] - R[j, k], 1.0 - trace + 2.0 * R[i, i]
+        q[1 + j], q[1 + k] = R[j, i] + R[i, j], R[k, i] + R[i, k]
+    return q / math.sqrt(np.sum(q * q))

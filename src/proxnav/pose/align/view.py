@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.compiled.lens import lens_numbers
 from proxnav.geometry.types import Box
 from proxnav.images.crop import Crop, box_in_image, cut
-from proxnav.pose.solve.intake import lens_numbers
 from proxnav.targets import Target
 
 

@@ -6,12 +6,12 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.geometry import so3
-from proxnav.geometry.compiled.lens import weigh
 from proxnav.geometry.types import Flags, Rotation3x3
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.intake import Correspondences
 from proxnav.pose.solve.kernels.consensus import MODES, compete, search
 from proxnav.pose.solve.kernels.refinement import distances, normal_equations, refine
+from proxnav.pose.solve.kernels.weights import weigh
 
 LOSSES = {"squares": 0, "huber": 1, "cauchy": 2}
 _WEIGHT_FLOOR_PX2 = 1e-6  # keeps a zero covariance invertible

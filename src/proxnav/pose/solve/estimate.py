@@ -5,6 +5,7 @@ from jaxtyping import Float
 from numpy.typing import ArrayLike
 
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.compiled import rotations
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.consensus import (
     Fit,
@@ -17,7 +18,6 @@ from proxnav.pose.solve.consensus import (
     turn_between,
 )
 from proxnav.pose.solve.intake import Correspondences, as_flags, correspondences
-from proxnav.pose.solve.kernels.refinement import to_wxyz
 from proxnav.pose.solve.noise import fit_at_unknown_noise
 from proxnav.records import PoseResult
 
@@ -72,7 +72,7 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
         return PoseResult.failure("behind_camera", len(data.keep))
     if config.inflation == "residual":
         covariance = covariance * max(1.0, reduced)
-    T_cam_target = Pose("cam", "target", to_wxyz(fit.R), fit.t - fit.R @ data.centroid)
+    T_cam_target = Pose("cam", "target", rotations.from_matrix(fit.R), fit.t - fit.R @ data.centroid)
     inliers = as_flags(len(data.keep), np.flatnonzero(data.keep)[fit.use])
     return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data))
 

@@ -1,7 +1,6 @@
 """From what the caller gave to points that can be used: shapes, NaN, scores, duplicates, lens distortion."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -9,8 +8,7 @@ from numpy.typing import ArrayLike
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
-from proxnav.geometry.compiled.lens import undistort
-from proxnav.geometry.distortion import fold_radius
+from proxnav.geometry.compiled.lens import lens_numbers, undistort_pixels
 from proxnav.geometry.types import Flags
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.kernels.intake import admit
@@ -58,7 +56,7 @@ def correspondences(
         points, pixels, covariances, _scores(scores, n), config.min_score, *size, config.view_margin, keep, label
     )
     xy, lens = np.empty((n, 2)), lens_numbers(camera)
-    undistort(pixels, lens, xy)
+    undistort_pixels(pixels, lens, xy)
     seen = ~np.isnan(xy[:, 0])
     if kept < n or not seen.all():
         keep &= seen
@@ -95,14 +93,6 @@ def _scores(values: ArrayLike | None, n: int) -> Float[np.ndarray, "n"]:
     if array.shape != (n,):
         raise InputError(f"scores needs shape ({n},), found {array.shape}; one number per keypoint")
     return array
-
-
-@lru_cache(maxsize=64)
-def lens_numbers(camera: Camera) -> Float[np.ndarray, "10"]:
-    """The camera as the kernels take it."""
-    fold = fold_radius(camera.distortion) if camera.is_distorted else np.inf
-    values = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion, fold**2)
-    return np.array(values)
 
 
 def as_flags(count: int, index: np.ndarray) -> Bool[np.ndarray, "count"]:

@@ -87,8 +87,9 @@ def _average(weights, radiance, out):
 
 
 @ray_kernel
-def _lookup(radiance, x, y, z, weight, out):
-    """Adds the bilinear value of the map in direction (x, y, z), times `weight`, to `out`."""
+def _add_lookup(radiance, d, weight, out):
+    """Adds the bilinear value of the map in the unit direction `d`, times `weight`, to `out`."""
+    x, y, z = d
     rows, columns = radiance.shape[0], radiance.shape[1]
     v = np.arccos(min(max(z, -1.0), 1.0)) / np.pi * rows - 0.5
     u = (np.arctan2(y, x) + np.pi) / (2.0 * np.pi) * columns - 0.5
@@ -103,8 +104,8 @@ def _lookup(radiance, x, y, z, weight, out):
 
 
 @ray_kernel
-def lobe_radiance(radiance, lobes, x, y, z, alpha, out):
-    """Fills `out` (3) with the radiance about the unit direction (x, y, z), averaged over a lobe of width `alpha`."""
+def lobe_radiance(radiance, lobes, d, alpha, out):
+    """Fills `out` (3) with the radiance about the unit direction `d`, averaged over a lobe of width `alpha`."""
     out[0] = out[1] = out[2] = 0.0
     last = lobes.shape[0]
     level, low = 0, LOBE_ALPHAS[0]
@@ -116,8 +117,8 @@ def lobe_radiance(radiance, lobes, x, y, z, alpha, out):
             break
         level, low = k, high
     if level == 0:
-        _lookup(radiance, x, y, z, 1.0 - blend, out)
+        _add_lookup(radiance, d, 1.0 - blend, out)
     else:
-        _lookup(lobes[level - 1], x, y, z, 1.0 - blend, out)
+        _add_lookup(lobes[level - 1], d, 1.0 - blend, out)
     if blend > 0.0 and level < last:
-        _lookup(lobes[level], x, y, z, blend, out)
+        _add_lookup(lobes[level], d, blend, out)

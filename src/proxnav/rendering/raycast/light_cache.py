@@ -12,7 +12,7 @@ from jaxtyping import Float, Float32, Float64, Int32
 
 from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.rendering.raycast.environment import map_cell
-from proxnav.rendering.raycast.mesh import RenderMesh
+from proxnav.rendering.raycast.mesh import POSITION, RenderMesh
 from proxnav.rendering.raycast.tracing import Tracer
 
 _INSIDE = 0.5
@@ -64,7 +64,7 @@ def _look(mesh: RenderMesh, tracer: Tracer, positions: np.ndarray, directions: n
 
 def _nearest_corner(mesh: RenderMesh, triangle: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """Cache point of the corner nearest to where each ray meets its triangle."""
-    corners = mesh.corners[triangle, :, :3]
+    corners = mesh.corners[triangle, :, POSITION : POSITION + 3]
     normals = mesh.normals[triangle]
     height = np.einsum("nkc,nkc->nk", corners[:, :, 0] - origins, normals)
     slope = np.einsum("nkc,nkc->nk", directions, normals)

@@ -67,7 +67,7 @@ def _gathered(
 ) -> np.ndarray:
     """(n_cache, 3) indirect irradiance, where the Sun shines with `cosine` (0 in shadow)."""
     albedo = textures.mean_albedo[model.mesh.cache_part].astype(np.float64)
-    emitted = np.pi * textures.parts[model.mesh.cache_part, 5:8]
+    emitted = np.pi * textures.emission[model.mesh.cache_part]
     return gather(model.cache, albedo, emitted, cosine[:, None] * sun_irradiance, sky, config.bounces)
 
 

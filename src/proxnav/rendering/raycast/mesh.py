@@ -10,6 +10,11 @@ from jaxtyping import Float, Int
 
 from proxnav.targets import Target
 
+POSITION, CORNER_NORMAL, U, V = 0, 3, 6, 7
+"""Places in a corner's row: position [m] (3), shading normal (3, not normalised inside a split triangle) and texture
+coordinates [m]."""
+TANGENT_U, TANGENT_V = 0, 3
+"""Places of the two vectors in a row of tangents."""
 _MAX_FACES = 400_000
 _NEXT = (1, 2, 0)
 
@@ -21,7 +26,7 @@ class RenderMesh:
     vertices: Float[np.ndarray, "n_vertices 3"]
     faces: Int[np.ndarray, "n_faces 3"]
     corners: Float[np.ndarray, "n_faces 3 8"]
-    """Position, shading normal (not normalised inside a split triangle) and uv [m] at each corner."""
+    """POSITION to V of each corner, target axes."""
     normals: Float[np.ndarray, "n_faces 3"]
     """Unit geometric normals, outward by the winding."""
     tangents: Float[np.ndarray, "n_faces 6"]
@@ -34,7 +39,7 @@ class RenderMesh:
     cache_part: Int[np.ndarray, "n_cache"]
     centre: Float[np.ndarray, "3"]
     radius: float
-    """Of the sphere about `centre` that holds the mesh [m]."""
+    """Radius of the sphere about `centre` that holds the mesh [m]."""
 
 
 def build_mesh(target: Target, spacing_m: float) -> RenderMesh:
@@ -43,20 +48,19 @@ def build_mesh(target: Target, spacing_m: float) -> RenderMesh:
     corners = np.concatenate([positions, target.corner_normals, target.corner_uv_m], axis=2)
     corners, part = _without_slivers(corners, target.face_part)
     corners, part = _split(corners, part, max(spacing_m, 0.02 * target.radius_m))
-    vertices, index = np.unique(corners[..., :3].astype(np.float32).reshape(-1, 3), axis=0, return_inverse=True)
-    cache, points = _cache_points(corners, part)
+    vertices, index = np.unique(_positions(corners).astype(np.float32).reshape(-1, 3), axis=0, return_inverse=True)
+    cache, where, normal, of_part = _cache_points(corners, part)
     centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0)).astype(np.float64)
     radius = float(np.linalg.norm(vertices - centre, axis=1).max())
     return RenderMesh(
         vertices, index.reshape(-1, 3).astype(np.int32), corners, _normals(corners), _tangents(corners),
-        part.astype(np.int32), cache, points[:, :3], _unit(points[:, 3:6]), points[:, 6].astype(np.int32),
-        centre, radius,
+        part.astype(np.int32), cache, where, _unit(normal), of_part, centre, radius,
     )  # fmt: skip
 
 
 def _without_slivers(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Triangles that have an area; others cannot be hit and have no normal."""
-    p = corners[..., :3]
+    p = _positions(corners)
     area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
     keep = area > 1e-14
     return corners[keep], part[keep]
@@ -65,7 +69,7 @@ def _without_slivers(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray,
 def _split(corners: np.ndarray, part: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
     """Halves long edges until none is left; neighbours halve a shared edge alike, so no crack opens."""
     while True:
-        p = corners[..., :3]
+        p = _positions(corners)
         long = np.stack([np.linalg.norm(p[:, k] - p[:, _NEXT[k]], axis=1) > longest for k in range(3)], axis=1)
         if not long.any() or len(corners) > _MAX_FACES:
             return corners, part
@@ -98,24 +102,28 @@ def _cuts(pattern: list[int]) -> list[tuple[int, int, int]]:
     return [(3 + a, b, 3 + b), (a, 3 + a, 3 + b), (a, 3 + b, c)]
 
 
-def _cache_points(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Index per corner, and rows (position, normal, part), of corners that share place, normal and part."""
-    normals = _unit(corners[..., 3:6].reshape(-1, 3))
-    place = corners[..., :3].reshape(-1, 3)
-    rows = np.concatenate([place, normals, np.repeat(part, 3)[:, None].astype(np.float64)], axis=1)
-    keys = np.round(rows * ([1e4] * 3 + [20.0] * 3 + [1.0])).astype(np.int64)
+def _cache_points(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Index per corner, and position, normal and part of each point: corners that share all three are one."""
+    position = _positions(corners).reshape(-1, 3)
+    normal = _unit(corners[..., CORNER_NORMAL : CORNER_NORMAL + 3].reshape(-1, 3))
+    of_part = np.repeat(part, 3).astype(np.int32)
+    keys = np.round(np.column_stack([1e4 * position, 20.0 * normal, of_part])).astype(np.int64)
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return inverse.reshape(-1, 3).astype(np.int32), rows[first]
+    return inverse.reshape(-1, 3).astype(np.int32), position[first], normal[first], of_part[first]
+
+
+def _positions(corners: np.ndarray) -> np.ndarray:
+    return corners[..., POSITION : POSITION + 3]
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:
-    p = corners[..., :3]
+    p = _positions(corners)
     return _unit(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
 
 
 def _tangents(corners: np.ndarray) -> np.ndarray:
     """Unit dP/du and dP/dv of each triangle; any orthogonal pair where the mapping is degenerate."""
-    p, uv = corners[..., :3], corners[..., 6:8]
+    p, uv = _positions(corners), corners[..., U : V + 1]
     e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     (u1, v1), (u2, v2) = (uv[:, 1] - uv[:, 0]).T, (uv[:, 2] - uv[:, 0]).T
     det = u1 * v2 - u2 * v1

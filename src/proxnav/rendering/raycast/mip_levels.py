@@ -5,6 +5,7 @@ stored whole: a new look of the target costs little more than reading its patter
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -14,11 +15,11 @@ from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.targets.surface.patterns.pattern import Pattern
 from proxnav.targets.surface.textures import BRIGHTEST, SMOOTHEST, PartTexture, PatternedTexture
 
+MATT, METALLIC, METAL, ALPHA, SLOPE_U, SLOPE_V, MOMENT, PLANES = 0, 3, 4, 7, 8, 9, 10, 11
+"""Places in a texel: colour of the matt share (3), metallic, colour of the metal share (3), width of the GGX lobe,
+slopes along u and along v, half of the slopes' second moment; and the number of places in use."""
 CHANNELS = 12
-"""Colour of the matt share (3), metallic, colour of the metal share (3), alpha, slope along u, slope along v, half of
-the slopes' second moment, unused."""
-PLANES = 11
-"""Channels that are in use."""
+"""Length of a texel."""
 
 Surface = PartTexture | PatternedTexture
 
@@ -36,14 +37,33 @@ def fill_levels(surface: Surface, skip: int, sizes: np.ndarray, texels: Float32[
     scratch = np.empty((2, PLANES, half), np.float32)
     if isinstance(surface, PatternedTexture):
         p = surface.pattern
-        numbers = np.array([
-            *surface.base, *surface.accent_albedo, surface.contrast, surface.share, surface.metallic,
-            surface.metallic_step, surface.roughness, surface.accent_roughness,
-        ], np.float32)  # fmt: skip
-        _fill_patterned(p.tone, p.accent, p.roughness, _pattern_slopes(p), numbers, skip, scratch, sizes, texels)
+        planes = p.tone, p.accent, p.roughness, _pattern_slopes(p)
+        _fill_patterned(*planes, _paint(surface), skip, scratch, sizes, texels)
     else:
         planes = surface.albedo, surface.metallic, surface.roughness, _slopes(surface.normal, (h, w))
         _fill_painted(*planes, skip, scratch, sizes, texels)
+
+
+class _Paint(NamedTuple):
+    """What a patterned surface does with its pattern, in float32."""
+
+    base: Float32[np.ndarray, "rgb=3"]
+    accent: Float32[np.ndarray, "rgb=3"]
+    contrast: np.float32
+    share: np.float32
+    metallic: np.float32
+    metallic_step: np.float32
+    roughness: np.float32
+    accent_roughness: np.float32
+
+
+def _paint(surface: PatternedTexture) -> _Paint:
+    colours = np.array([surface.base, surface.accent_albedo], np.float32)
+    numbers = (
+        surface.contrast, surface.share, surface.metallic, surface.metallic_step, surface.roughness,
+        surface.accent_roughness,
+    )  # fmt: skip
+    return _Paint(*colours, *map(np.float32, numbers))
 
 
 @lru_cache(maxsize=16)
@@ -66,44 +86,45 @@ _ONE, _HALF, _QUARTER, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.25
 
 @ray_kernel
 def _finish_row(slope, y, out):
-    """Planes that follow from albedo 0-2, metallic 3 and roughness 7: colours by share of metal, alpha, slopes."""
+    """Planes that follow from albedo (in place of MATT), metallic and roughness (in place of ALPHA)."""
     w = out.shape[1]
     for x in range(w):
-        m, r = out[3, x], out[7, x]
+        m, r = out[METALLIC, x], out[ALPHA, x]
         matt = _ONE - m
-        out[4, x], out[5, x], out[6, x] = m * out[0, x], m * out[1, x], m * out[2, x]
-        out[0, x], out[1, x], out[2, x] = matt * out[0, x], matt * out[1, x], matt * out[2, x]
-        out[7, x] = r * r
+        for c in range(3):
+            albedo = out[MATT + c, x]
+            out[METAL + c, x], out[MATT + c, x] = m * albedo, matt * albedo
+        out[ALPHA, x] = r * r
     if slope.shape[1] == 0:
-        out[8:11] = _ZERO
+        out[SLOPE_U:PLANES] = _ZERO
         return
     u, v = slope[0, y], slope[1, y]
     for x in range(w):
-        out[8, x], out[9, x], out[10, x] = u[x], v[x], _HALF * (u[x] * u[x] + v[x] * v[x])
+        out[SLOPE_U, x], out[SLOPE_V, x], out[MOMENT, x] = u[x], v[x], _HALF * (u[x] * u[x] + v[x] * v[x])
 
 
 @ray_kernel
-def _patterned_row(tone, accent, rough, slope, n, y, out):
-    """Fills the planes (11, w) of one row of a patterned surface, in the arithmetic of `PatternedTexture.painted`."""
+def _patterned_row(tone, accent, rough, slope, paint, y, out):
+    """Fills the planes (PLANES, w) of one row of a patterned surface, as `PatternedTexture.painted` works it out."""
     t, a, q = tone[y], accent[y], rough[y]
     for x in range(out.shape[1]):
-        shade, share = _ONE + n[6] * (t[x] - _ONE), a[x] * n[7]
+        shade, share = _ONE + paint.contrast * (t[x] - _ONE), a[x] * paint.share
         for c in range(3):
-            body = shade * n[c]
-            out[c, x] = min(max(body + share * (n[3 + c] - body), _ZERO), BRIGHTEST)
-        out[3, x] = min(max(n[8] + share * n[9], _ZERO), _ONE)
-        own = q[x] * n[10]
-        out[7, x] = min(max(own + share * (n[11] - own), SMOOTHEST), _ONE)
+            body = shade * paint.base[c]
+            out[MATT + c, x] = min(max(body + share * (paint.accent[c] - body), _ZERO), BRIGHTEST)
+        out[METALLIC, x] = min(max(paint.metallic + share * paint.metallic_step, _ZERO), _ONE)
+        own = q[x] * paint.roughness
+        out[ALPHA, x] = min(max(own + share * (paint.accent_roughness - own), SMOOTHEST), _ONE)
     _finish_row(slope, y, out)
 
 
 @ray_kernel
 def _painted_row(albedo, metallic, roughness, slope, y, out):
-    """Fills the planes (11, w) of one row of a painted surface."""
+    """Fills the planes (PLANES, w) of one row of a painted surface."""
     for x in range(out.shape[1]):
         for c in range(3):
-            out[c, x] = albedo[y, x, c]
-        out[3, x], out[7, x] = metallic[y, x], roughness[y, x]
+            out[MATT + c, x] = albedo[y, x, c]
+        out[METALLIC, x], out[ALPHA, x] = metallic[y, x], roughness[y, x]
     _finish_row(slope, y, out)
 
 
@@ -121,7 +142,7 @@ def _halve_rows(top, bottom, out):
 
 @ray_kernel
 def _store(planes, texels):
-    """Planes (11, n) into texels (n, 12)."""
+    """Planes (PLANES, n) into texels (n, CHANNELS)."""
     for i in range(planes.shape[1]):
         for c in range(PLANES):
             texels[i, c] = planes[c, i]
@@ -160,12 +181,12 @@ def _pair(rows, y, h, w, skip, scratch, texels):
 
 
 @ray_kernel
-def _fill_patterned(tone, accent, rough, slope, numbers, skip, scratch, sizes, texels):
+def _fill_patterned(tone, accent, rough, slope, paint, skip, scratch, sizes, texels):
     h, w = tone.shape
     rows = np.empty((2, PLANES, w), np.float32)
     for y in range(0, h, 2):
         for k in range(2):
-            _patterned_row(tone, accent, rough, slope, numbers, min(y + k, h - 1), rows[k])
+            _patterned_row(tone, accent, rough, slope, paint, min(y + k, h - 1), rows[k])
         _pair(rows, y, h, w, skip, scratch, texels)
     _coarser(scratch, skip, h, w, sizes, texels)
 

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from proxnav.geometry.compiled.kernel import ray_kernel
+from proxnav.geometry.compiled.vectors import cross, dot, minus, over, plus, put
 
 _PLASTIC = np.array([0.7548776662466927, 0.5698402909980532])
 """M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018: the R2 sequence."""
@@ -41,11 +42,9 @@ def _mix(x, y):
 @ray_kernel
 def sun_points(pixels, per_pixel, step, steps, centre, half_angle, out):
     """Fills a direction (n * per_pixel, 3) on the Sun's disc for every sample: the step-th of `steps` in each."""
-    ax, ay, az = (1.0, 0.0, 0.0) if abs(centre[0]) < 0.6 else (0.0, 1.0, 0.0)
-    ux, uy, uz = ay * centre[2] - az * centre[1], az * centre[0] - ax * centre[2], ax * centre[1] - ay * centre[0]
-    norm = np.sqrt(ux * ux + uy * uy + uz * uz)
-    ux, uy, uz = ux / norm, uy / norm, uz / norm
-    vx, vy, vz = centre[1] * uz - centre[2] * uy, centre[2] * ux - centre[0] * uz, centre[0] * uy - centre[1] * ux
+    u = cross((1.0, 0.0, 0.0) if abs(centre[0]) < 0.6 else (0.0, 1.0, 0.0), centre)
+    u = over(u, np.sqrt(dot(u, u)))
+    v = cross(centre, u)
     for i in range(pixels.shape[0]):
         a, b = _mix(pixels[i, 0], pixels[i, 1])
         for k in range(per_pixel):
@@ -53,11 +52,7 @@ def sun_points(pixels, per_pixel, step, steps, centre, half_angle, out):
             # stratified radius, golden angle: an even disc for any count
             share = (a + (n + 0.5) / (per_pixel * steps)) % 1.0
             r, phi = half_angle * np.sqrt(share), 2.0 * np.pi * (b + n * 0.6180339887498949)
-            p, q = r * np.cos(phi), r * np.sin(phi)
-            j = i * per_pixel + k
-            out[j, 0] = centre[0] + p * ux + q * vx
-            out[j, 1] = centre[1] + p * uy + q * vy
-            out[j, 2] = centre[2] + p * uz + q * vz
+            put(out[i * per_pixel + k], 0, plus(plus(centre, r * np.cos(phi), u), r * np.sin(phi), v))
 
 
 @ray_kernel
@@ -87,12 +82,8 @@ def _breaks(a, b, p, q, normals, part, pixel_m):
     """Whether two points on triangles a and b belong to different smooth surfaces."""
     if part[a] != part[b]:
         return True
-    cosine, above_p, above_q = 0.0, 0.0, 0.0
-    for k in range(3):
-        cosine += normals[a, k] * normals[b, k]
-        above_p += (q[k] - p[k]) * normals[a, k]
-        above_q += (p[k] - q[k]) * normals[b, k]
-    return cosine < _CREASE_COSINE or min(abs(above_p), abs(above_q)) > 0.5 * pixel_m
+    above_p, above_q = dot(minus(q, p), normals[a]), dot(minus(p, q), normals[b])
+    return dot(normals[a], normals[b]) < _CREASE_COSINE or min(abs(above_p), abs(above_q)) > 0.5 * pixel_m
 
 
 @ray_kernel

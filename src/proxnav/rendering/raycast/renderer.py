@@ -85,7 +85,7 @@ def _region(model: Model, scene: SceneSpec, view: View, window: Window, halo: in
     """The part of the window, widened by `halo`, that the target may cover; None when it covers nothing of it."""
     x0, y0 = window.x - halo, window.y - halo
     x1, y1 = window.x + window.width + halo, window.y + window.height + halo
-    box = projected_box(model.mesh.vertices, scene.T_cam_target, view.camera)
+    box = projected_box(model.mesh.vertices, scene.T_cam_target, view.lens)
     if box is not None:
         x0, y0 = int(max(x0, np.floor(box[0]))), int(max(y0, np.floor(box[1])))
         x1, y1 = int(min(x1, np.ceil(box[2]))), int(min(y1, np.ceil(box[3])))

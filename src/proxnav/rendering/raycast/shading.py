@@ -3,10 +3,22 @@
 import numpy as np
 
 from proxnav.geometry.compiled.kernel import ray_kernel
+from proxnav.geometry.compiled.vectors import dot, minus, over, plus, put, times, triple
 from proxnav.rendering.raycast.bsdf import fresnel, ggx, reflectance, table_albedo
 from proxnav.rendering.raycast.environment import lobe_radiance
 from proxnav.rendering.raycast.light_cache import OFFSET_M
-from proxnav.rendering.raycast.surface import barycentric
+from proxnav.rendering.raycast.mesh import CORNER_NORMAL
+from proxnav.rendering.raycast.mip_levels import ALPHA, MATT, METAL, METALLIC, MOMENT
+from proxnav.rendering.raycast.surface import (
+    FACE_NORMAL,
+    FRESNEL,
+    MIRROR,
+    NORMAL,
+    TO_EYE,
+    barycentric,
+    between,
+)
+from proxnav.rendering.raycast.texels import EMISSION, IOR
 
 
 @ray_kernel
@@ -18,13 +30,11 @@ def sun_rays(triangle, position, eye, normals, sun, which, origins, directions):
     count = 0
     for i in range(position.shape[0]):
         n, d, p = normals[triangle[i]], sun[i], position[i]
-        towards = n[0] * (eye[0] - p[0]) + n[1] * (eye[1] - p[1]) + n[2] * (eye[2] - p[2])
-        side = 1.0 if towards >= 0.0 else -1.0
-        if side * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]) <= 0.0:
+        side = 1.0 if dot(n, minus(eye, p)) >= 0.0 else -1.0
+        if side * dot(n, d) <= 0.0:
             continue
-        for k in range(3):
-            origins[count, k] = p[k] + OFFSET_M * side * n[k]
-            directions[count, k] = d[k]
+        put(origins[count], 0, plus(p, OFFSET_M * side, n))
+        put(directions[count], 0, d)
         which[count] = i
         count += 1
     return count
@@ -36,24 +46,19 @@ def mirror_rays(position, surface, which, origins, directions):
     count = 0
     for i in range(position.shape[0]):
         s = surface[i]
-        if s[15] <= 0.0:
+        if s[MIRROR] <= 0.0:
             continue
-        nv = s[0] * s[6] + s[1] * s[7] + s[2] * s[8]
+        normal, face, to_eye = triple(s, NORMAL), triple(s, FACE_NORMAL), triple(s, TO_EYE)
         # a rough lobe leans from the mirrored direction to the normal (S. Lagarde, C. de Rousiers, "Moving Frostbite
         # to physically based rendering", SIGGRAPH 2014, section 4.9.3)
-        rough = np.sqrt(s[13])
+        rough = np.sqrt(s[ALPHA])
         lean = (1.0 - rough) * (np.sqrt(1.0 - rough) + rough)
-        a, b = 1.0 - lean + 2.0 * nv * lean, lean
-        rx, ry, rz = a * s[0] - b * s[6], a * s[1] - b * s[7], a * s[2] - b * s[8]
-        n = np.sqrt(rx * rx + ry * ry + rz * rz)
-        rx, ry, rz = rx / n, ry / n, rz / n
-        under = rx * s[3] + ry * s[4] + rz * s[5]
-        lift = max(0.0, 1e-3 - under)  # a bump may reflect into the surface itself: graze it instead
-        rx, ry, rz = rx + lift * s[3], ry + lift * s[4], rz + lift * s[5]
-        n = np.sqrt(rx * rx + ry * ry + rz * rz)
-        for k in range(3):
-            origins[count, k] = position[i, k] + OFFSET_M * s[3 + k]
-        directions[count, 0], directions[count, 1], directions[count, 2] = rx / n, ry / n, rz / n
+        ray = minus(times(1.0 - lean + 2.0 * dot(normal, to_eye) * lean, normal), times(lean, to_eye))
+        ray = over(ray, np.sqrt(dot(ray, ray)))
+        # a bump may reflect into the surface itself: graze it instead
+        ray = plus(ray, max(0.0, 1e-3 - dot(ray, face)), face)
+        put(origins[count], 0, plus(position[i], OFFSET_M, face))
+        put(directions[count], 0, over(ray, np.sqrt(dot(ray, ray))))
         which[count] = i
         count += 1
     return count
@@ -82,15 +87,14 @@ def shade_sun(surface, sun, lit, irradiance, alpha_sun2, radiance):
         if lit[i] <= 0.0:
             continue
         s = surface[i]
-        nl = s[0] * sun[0] + s[1] * sun[1] + s[2] * sun[2]
-        nv = s[0] * s[6] + s[1] * s[7] + s[2] * s[8]
+        normal, to_eye = triple(s, NORMAL), triple(s, TO_EYE)
+        nl, nv = dot(normal, sun), dot(normal, to_eye)
         if nl <= 0.0 or nv <= 0.0:
             continue
-        hx, hy, hz = s[6] + sun[0], s[7] + sun[1], s[8] + sun[2]
-        h = np.sqrt(hx * hx + hy * hy + hz * hz)
-        nh = min(1.0, (s[0] * hx + s[1] * hy + s[2] * hz) / h)
-        alpha = np.sqrt(s[13] * s[13] + alpha_sun2)  # the disc widens the lobe of a smooth surface
-        reflectance(nl, nv, nh, s[9:12], s[16:19], s[12], alpha, s[14], f)
+        half = plus(to_eye, 1.0, sun)
+        nh = min(1.0, dot(normal, half) / np.sqrt(dot(half, half)))
+        alpha = np.sqrt(s[ALPHA] * s[ALPHA] + alpha_sun2)  # the disc widens the lobe of a smooth surface
+        reflectance(nl, nv, nh, s[MATT : MATT + 3], s[METAL : METAL + 3], s[METALLIC], alpha, s[FRESNEL], f)
         for c in range(3):
             radiance[i, c] += lit[i] * nl * irradiance[c] * f[c]
 
@@ -101,7 +105,7 @@ def shade_emission(triangle, part, parts, radiance):
     for i in range(triangle.shape[0]):
         p = parts[part[triangle[i]]]
         for c in range(3):
-            radiance[i, c] += p[5 + c]
+            radiance[i, c] += p[EMISSION + c]
 
 
 @ray_kernel
@@ -111,12 +115,17 @@ def shade_ambient(triangle, weights, surface, mesh_cache, usable, indirect, tabl
     for i in range(triangle.shape[0]):
         s = surface[i]
         _interpolate(mesh_cache[triangle[i]], weights[i], indirect, usable, E)
-        nv = max(s[0] * s[6] + s[1] * s[7] + s[2] * s[8], 1e-3)
-        gloss = table_albedo(table, nv, s[13]) * (1.0 - s[15])
+        gloss = _gloss(s, table) * (1.0 - s[MIRROR])
         for c in range(3):
-            diffuse = (1.0 - s[14]) * s[9 + c]
-            mirror = gloss * ((1.0 - s[12]) * s[14] + s[16 + c])
+            diffuse = (1.0 - s[FRESNEL]) * s[MATT + c]
+            mirror = gloss * ((1.0 - s[METALLIC]) * s[FRESNEL] + s[METAL + c])
             radiance[i, c] += (diffuse + mirror) * E[c] / np.pi
+
+
+@ray_kernel
+def _gloss(s, table):
+    """Share of the light from the eye's direction that the lobe of a surface reflects."""
+    return table_albedo(table, max(dot(triple(s, NORMAL), triple(s, TO_EYE)), 1e-3), s[ALPHA])
 
 
 @ray_kernel
@@ -125,15 +134,13 @@ def shade_mirror(
     irradiance, surface, sky, lobes, table, radiance,
 ):  # fmt: skip
     """Adds what the mirror rays see: the target, shaded by the means of its parts, else Earth and sky over the lobe."""
-    L, w, origin, ray = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    E, S = np.empty(3), np.empty(3)
+    L, w, E, S = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     for j in range(which.shape[0]):
         i = which[j]
         s = surface[i]
         f = seen[j]
         if f >= 0:
-            for k in range(3):
-                origin[k], ray[k] = origins[j, k], directions[j, k]
+            origin, ray = times(1.0, origins[j]), times(1.0, directions[j])  # in float64
             barycentric(corners[f], origin, ray, w)
             _interpolate(mesh_cache[f], w, indirect, usable, E)
             _interpolate(mesh_cache[f], w, sun_seen, usable, S)
@@ -141,38 +148,32 @@ def shade_mirror(
                 corners[f], w, ray, parts[part[f]], means[part[f]], E, S[0], sun, irradiance, sky, lobes, table, L
             )
         else:
-            lobe_radiance(sky, lobes, directions[j, 0], directions[j, 1], directions[j, 2], s[13], L)
-        nv = max(s[0] * s[6] + s[1] * s[7] + s[2] * s[8], 1e-3)
-        gloss = table_albedo(table, nv, s[13]) * s[15]
+            lobe_radiance(sky, lobes, triple(directions[j], 0), s[ALPHA], L)
+        gloss = _gloss(s, table) * s[MIRROR]
         for c in range(3):
-            radiance[i, c] += gloss * ((1.0 - s[12]) * s[14] + s[16 + c]) * L[c]
+            radiance[i, c] += gloss * ((1.0 - s[METALLIC]) * s[FRESNEL] + s[METAL + c]) * L[c]
 
 
 @ray_kernel
 def _shade_reflected(corners, w, ray, part, mean, E, seen, sun, irradiance, sky, lobes, table, L):
     """Fills `L` (3) with the radiance against `ray` of a point seen in a mirror; its own gloss shows the open sky."""
-    nx = w[0] * corners[0, 3] + w[1] * corners[1, 3] + w[2] * corners[2, 3]
-    ny = w[0] * corners[0, 4] + w[1] * corners[1, 4] + w[2] * corners[2, 4]
-    nz = w[0] * corners[0, 5] + w[1] * corners[1, 5] + w[2] * corners[2, 5]
-    n = max(np.sqrt(nx * nx + ny * ny + nz * nz), 1e-9)
-    nx, ny, nz = nx / n, ny / n, nz / n
-    nv = -(nx * ray[0] + ny * ray[1] + nz * ray[2])
+    n = between(corners, CORNER_NORMAL, w)
+    n = over(n, max(np.sqrt(dot(n, n)), 1e-9))
+    nv = -dot(n, ray)
     if nv < 0.0:
-        nx, ny, nz, nv = -nx, -ny, -nz, -nv
+        n, nv = times(-1.0, n), -nv
     nv = max(nv, 1e-2)
-    alpha = min(max(np.sqrt(mean[7] * mean[7] + 2.0 * mean[10]), 1e-2), 1.0)
-    F = fresnel(nv, part[4])
-    x, y, z = ray[0] + 2.0 * nv * nx, ray[1] + 2.0 * nv * ny, ray[2] + 2.0 * nv * nz
-    r = np.sqrt(x * x + y * y + z * z)
-    lobe_radiance(sky, lobes, x / r, y / r, z / r, alpha, L)
+    alpha = min(max(np.sqrt(mean[ALPHA] * mean[ALPHA] + 2.0 * mean[MOMENT]), 1e-2), 1.0)
+    F = fresnel(nv, part[IOR])
+    onward = plus(ray, 2.0 * nv, n)
+    lobe_radiance(sky, lobes, over(onward, np.sqrt(dot(onward, onward))), alpha, L)
     albedo = table_albedo(table, nv, alpha)
-    nl, lobe = nx * sun[0] + ny * sun[1] + nz * sun[2], 0.0
+    nl, lobe = dot(n, sun), 0.0
     if nl > 0.0 and seen > 0.0:
-        hx, hy, hz = sun[0] - ray[0], sun[1] - ray[1], sun[2] - ray[2]
-        h = np.sqrt(hx * hx + hy * hy + hz * hz)
-        lobe = ggx(nl, nv, min(1.0, (nx * hx + ny * hy + nz * hz) / h), alpha)
+        half = minus(sun, ray)
+        lobe = ggx(nl, nv, min(1.0, dot(n, half) / np.sqrt(dot(half, half))), alpha)
     for c in range(3):
         sunlight = irradiance[c] * seen * max(nl, 0.0)
-        matt = (1.0 - F) * mean[c] * (E[c] + sunlight) / np.pi
-        gloss = (1.0 - mean[3]) * F + mean[4 + c]
-        L[c] = part[5 + c] + matt + gloss * (albedo * L[c] + lobe * sunlight)
+        matt = (1.0 - F) * mean[MATT + c] * (E[c] + sunlight) / np.pi
+        gloss = (1.0 - mean[METALLIC]) * F + mean[METAL + c]
+        L[c] = part[EMISSION + c] + matt + gloss * (albedo * L[c] + lobe * sunlight)

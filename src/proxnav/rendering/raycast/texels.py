@@ -12,9 +12,25 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int32
 
 from proxnav.geometry.compiled.kernel import ray_kernel
-from proxnav.rendering.raycast.mip_levels import CHANNELS, Surface, fill_levels, surface_size
+from proxnav.rendering.raycast.mip_levels import (
+    CHANNELS,
+    MATT,
+    METAL,
+    MOMENT,
+    PLANES,
+    SLOPE_U,
+    SLOPE_V,
+    Surface,
+    fill_levels,
+    surface_size,
+)
 from proxnav.targets import Material
 
+START, HEIGHT, WIDTH = range(3)
+"""Places in a level: its first texel, rows and columns."""
+FIRST_LEVEL, LEVELS, TILE_U, TILE_V, IOR, EMISSION, SKIPPED, TEXEL_M = 0, 1, 2, 3, 4, 5, 8, 9
+"""Places in a part: first level, number of levels, tile along u and v [m], index of refraction, emission (3), number of
+finer levels that were left out, side of a texel of the finest of all [m]."""
 _SHARPER = 0.8  # bilinear lookups widen texels of size s to a variance of 3 s^2 / 12; a pixel has 1 / 12: s = 2^-0.8
 
 
@@ -23,18 +39,23 @@ class TexelTable:
     """All parts' textures in the layout that `sample` reads."""
 
     texels: Float32[np.ndarray, "n_texels 12"]
+    """Places as `mip_levels` names them."""
     levels: Int32[np.ndarray, "n_levels 3"]
-    """First texel, height and width of each level."""
+    """START, HEIGHT, WIDTH of each level."""
     parts: Float64[np.ndarray, "n_parts 10"]
-    """First level, number of levels, tile along u and v [m], index of refraction, emission (3), number of finer levels
-    that were left out, side of a texel of the finest of all [m]."""
+    """FIRST_LEVEL to TEXEL_M of each part."""
     means: Float32[np.ndarray, "n_parts 12"]
     """The coarsest texel of each part, for light that bounces."""
 
     @property
     def mean_albedo(self) -> Float32[np.ndarray, "n_parts 3"]:
         """What the whole part reflects on average."""
-        return self.means[:, :3] + self.means[:, 4:7]
+        return self.means[:, MATT : MATT + 3] + self.means[:, METAL : METAL + 3]
+
+    @property
+    def emission(self) -> Float64[np.ndarray, "n_parts 3"]:
+        """Radiance that each part emits [W/(m^2 sr)]."""
+        return self.parts[:, EMISSION : EMISSION + 3]
 
 
 def build_table(surfaces: Sequence[Surface], materials: Sequence[Material], finest_m: float = 0.0) -> TexelTable:
@@ -84,7 +105,8 @@ def _chain(surface: Surface, finest_m: float) -> _Chain:
 
 
 @ray_kernel
-def _bilinear(texels, first, h, w, u, v, weight, out):
+def _add_bilinear(texels, level, u, v, weight, out):
+    first, h, w = level[START], level[HEIGHT], level[WIDTH]
     x, y = (u - np.floor(u)) * w - 0.5, (v - np.floor(v)) * h - 0.5
     x0, y0 = int(np.floor(x)), int(np.floor(y))
     fx, fy = x - x0, y - y0
@@ -93,24 +115,24 @@ def _bilinear(texels, first, h, w, u, v, weight, out):
     waa, wab = weight * (1.0 - fy) * (1.0 - fx), weight * (1.0 - fy) * fx
     wba, wbb = weight * fy * (1.0 - fx), weight * fy * fx
     aa, ab, ba, bb = first + ya * w + xa, first + ya * w + xb, first + yb * w + xa, first + yb * w + xb
-    for c in range(11):
+    for c in range(PLANES):
         out[c] += waa * texels[aa, c] + wab * texels[ab, c] + wba * texels[ba, c] + wbb * texels[bb, c]
 
 
 @ray_kernel
 def sample(texels, levels, part, u_m, v_m, footprint_m, out):
-    """Fills `out` (12) with the texture at (u, v) [m] averaged over `footprint_m`; 10 is the slopes' variance."""
-    first, count, skip = int(part[0]), int(part[1]), int(part[8])
-    u, v = u_m / part[2], v_m / part[3]
-    level = min(max(np.log2(max(footprint_m, 1e-9) / part[9]) - _SHARPER, np.float64(skip)), skip + count - 1.0)
+    """Fills `out` with the texel at (u, v) [m] averaged over `footprint_m`; MOMENT with half the slopes' variance."""
+    first, count, skip = int(part[FIRST_LEVEL]), int(part[LEVELS]), int(part[SKIPPED])
+    u, v = u_m / part[TILE_U], v_m / part[TILE_V]
+    level = min(max(np.log2(max(footprint_m, 1e-9) / part[TEXEL_M]) - _SHARPER, np.float64(skip)), skip + count - 1.0)
     low = min(int(level), skip + count - 1)
     blend = level - low
-    for c in range(11):
+    for c in range(PLANES):
         out[c] = 0.0
     at = first + low - skip
-    _bilinear(texels, levels[at, 0], levels[at, 1], levels[at, 2], u, v, 1.0 - blend, out)
+    _add_bilinear(texels, levels[at], u, v, 1.0 - blend, out)
     if blend > 0.0:
-        high = at + 1
-        _bilinear(texels, levels[high, 0], levels[high, 1], levels[high, 2], u, v, blend, out)
+        _add_bilinear(texels, levels[at + 1], u, v, blend, out)
     # at the finest level the normal itself is interpolated: nothing has been averaged away yet
-    out[10] = max(0.0, out[10] - 0.5 * (out[8] * out[8] + out[9] * out[9])) * min(level, 1.0)
+    variance = max(0.0, out[MOMENT] - 0.5 * (out[SLOPE_U] * out[SLOPE_U] + out[SLOPE_V] * out[SLOPE_V]))
+    out[MOMENT] = variance * min(level, 1.0)

@@ -6,14 +6,15 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.compiled.lens import FX, FY, lens_numbers
 from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast import shading
 from proxnav.rendering.raycast.bsdf import lobe_albedo_table
 from proxnav.rendering.raycast.lights import SUN_WIDENING, Lights
 from proxnav.rendering.raycast.model import Model
-from proxnav.rendering.raycast.rays import camera_numbers, cast
-from proxnav.rendering.raycast.surface import COLUMNS, describe, locate
+from proxnav.rendering.raycast.rays import cast
+from proxnav.rendering.raycast.surface import COLUMNS, MIRROR, describe, locate
 from proxnav.rendering.raycast.texels import TexelTable
 
 BATCH = 32768
@@ -47,8 +48,8 @@ class View:
     model: Model
     textures: TexelTable
     lights: Lights
-    camera: np.ndarray
-    """As `rays.camera_numbers` gives it."""
+    lens: Float[np.ndarray, "lens=10"]
+    """The camera as `lens_numbers` gives it."""
     R_target_cam: Float[np.ndarray, "3 3"]
     eye: Float[np.ndarray, "3"]
     """The camera's projection centre in the target frame [m]."""
@@ -57,7 +58,7 @@ class View:
     @property
     def pixel_rad(self) -> float:
         """Angle that a pixel near the optical axis spans."""
-        return float(1.0 / np.sqrt(self.camera[0] * self.camera[1]))
+        return float(1.0 / np.sqrt(self.lens[FX] * self.lens[FY]))
 
 
 def look(
@@ -65,7 +66,7 @@ def look(
 ) -> View:
     """The view of a camera."""
     T_target_cam = T_cam_target.inverse()
-    return View(model, textures, lights, camera_numbers(camera), T_target_cam.R, T_target_cam.t_m, reflections)
+    return View(model, textures, lights, lens_numbers(camera), T_target_cam.R, T_target_cam.t_m, reflections)
 
 
 def probe(
@@ -115,7 +116,7 @@ def _rays(view: View, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     n = len(places)
     rays, origins, directions = np.empty((n, 3)), np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
     mesh = view.model.mesh
-    cast(places, view.camera, view.R_target_cam, view.eye, mesh.centre, mesh.radius, rays, origins, directions)
+    cast(places, view.lens, view.R_target_cam, view.eye, mesh.centre, mesh.radius, rays, origins, directions)
     return rays, origins, directions
 
 
@@ -158,7 +159,7 @@ def _sun_directions(
 
 
 def _surface(view: View, hits: Hits, pixel_rad: float) -> np.ndarray:
-    """(n, 19) description of the surface at each hit, see `surface.COLUMNS`."""
+    """(n, COLUMNS) description of the surface at each hit, its places as `surface` names them."""
     mesh, textures = view.model.mesh, view.textures
     surface = np.empty((len(hits.triangle), COLUMNS))
     describe(
@@ -166,7 +167,7 @@ def _surface(view: View, hits: Hits, pixel_rad: float) -> np.ndarray:
         mesh.part, textures.texels, textures.levels, textures.parts, surface,
     )  # fmt: skip
     if not view.reflections:
-        surface[:, 15] = 0.0
+        surface[:, MIRROR] = 0.0
     return surface
 
 

@@ -4,6 +4,8 @@ import math
 
 from proxnav.geometry.compiled.kernel import kernel
 from proxnav.geometry.compiled.lens import distort
+from proxnav.geometry.compiled.perturbation import step_gradient
+from proxnav.geometry.compiled.vectors import rotate
 
 
 @kernel
@@ -37,12 +39,11 @@ def share_on_edges(X, N, R, t, lens, gx, gy, noise):
     """
     total = 0.0
     for i in range(len(X)):
-        z = R[2, 0] * X[i, 0] + R[2, 1] * X[i, 1] + R[2, 2] * X[i, 2] + t[2]
+        p = rotate(R, X[i])
+        z = p[2] + t[2]
         if z <= 1e-6:
             continue
-        x = (R[0, 0] * X[i, 0] + R[0, 1] * X[i, 1] + R[0, 2] * X[i, 2] + t[0]) / z
-        y = (R[1, 0] * X[i, 0] + R[1, 1] * X[i, 1] + R[1, 2] * X[i, 2] + t[1]) / z
-        u, v, _, _, _, _ = distort(x, y, lens)
+        u, v, _, _, _, _ = distort((p[0] + t[0]) / z, (p[1] + t[1]) / z, lens)
         a, b = _read(gx, u, v), _read(gy, u, v)
         along = a * N[i, 0] + b * N[i, 1]
         total += along * along / (a * a + b * b + noise * noise)
@@ -81,21 +82,17 @@ def edge_equations(X, N, R, t, lens, gx, gy, reach, sigma, least, outlier, H, g)
     H[:], g[:] = 0.0, 0.0
     found = 0.0
     for i in range(len(X)):
-        r0 = R[0, 0] * X[i, 0] + R[0, 1] * X[i, 1] + R[0, 2] * X[i, 2]
-        r1 = R[1, 0] * X[i, 0] + R[1, 1] * X[i, 1] + R[1, 2] * X[i, 2]
-        r2 = R[2, 0] * X[i, 0] + R[2, 1] * X[i, 1] + R[2, 2] * X[i, 2]
-        z = r2 + t[2]
+        r = rotate(R, X[i])
+        z = r[2] + t[2]
         if z <= 1e-6:
             continue
-        x, y = (r0 + t[0]) / z, (r1 + t[1]) / z
+        x, y = (r[0] + t[0]) / z, (r[1] + t[1]) / z
         u, v, ux, uy, vx, vy = distort(x, y, lens)
         nx, ny = N[i, 0], N[i, 1]
         p, offset = _nearest_edges(gx, gy, u, v, nx, ny, reach, sigma, least, outlier)
         if p < 1e-3:
             continue
-        j0, j1 = (nx * ux + ny * vx) / z, (nx * uy + ny * vy) / z
-        j2 = -(j0 * x + j1 * y)
-        J = (j0, j1, j2, j2 * r1 - j1 * r2, j0 * r2 - j2 * r0, j1 * r0 - j0 * r1)
+        J = step_gradient((nx * ux + ny * vx) / z, (nx * uy + ny * vy) / z, x, y, r)
         for m in range(6):
             g[m] += p * J[m] * offset
             for q in range(6):

@@ -2,29 +2,16 @@
 
 import math
 
-import numpy as np
-
 from proxnav.geometry.compiled.kernel import kernel
-from proxnav.geometry.compiled.lens import distort
+from proxnav.geometry.compiled.lens import project
+from proxnav.geometry.compiled.vectors import dot, minus
 
-
-@kernel
-def image_of(R, t, X, lens):
-    """Pixel (u, v) of a target point; NaN behind the camera or beyond the lens."""
-    z = R[2, 0] * X[0] + R[2, 1] * X[1] + R[2, 2] * X[2] + t[2]
-    if z <= 1e-6:
-        return np.nan, np.nan
-    x = (R[0, 0] * X[0] + R[0, 1] * X[1] + R[0, 2] * X[2] + t[0]) / z
-    y = (R[1, 0] * X[0] + R[1, 1] * X[1] + R[1, 2] * X[2] + t[1]) / z
-    if x * x + y * y > lens[9]:
-        return np.nan, np.nan
-    u, v, _, _, _, _ = distort(x, y, lens)
-    return u, v
+_NEAREST_M = 1e-6
 
 
 @kernel
 def _faces_eye(n, a, eye):
-    return n[0] * (eye[0] - a[0]) + n[1] * (eye[1] - a[1]) + n[2] * (eye[2] - a[2]) > 0.0
+    return dot(n, minus(eye, a)) > 0.0
 
 
 @kernel
@@ -39,8 +26,8 @@ def sample_edges(a, b, n1, n2, sharp, R, t, eye, lens, width, height, spacing, X
         front_1, front_2 = _faces_eye(n1[i], a[i], eye), _faces_eye(n2[i], a[i], eye)
         if front_1 == front_2 and not (sharp[i] and front_1):
             continue
-        ua, va = image_of(R, t, a[i], lens)
-        ub, vb = image_of(R, t, b[i], lens)
+        ua, va = project(R, t, a[i], lens, _NEAREST_M)
+        ub, vb = project(R, t, b[i], lens, _NEAREST_M)
         length = math.hypot(ub - ua, vb - va)
         if not (length > 1e-9):
             continue

@@ -5,8 +5,10 @@ import math
 import numpy as np
 
 from proxnav.geometry.compiled.kernel import kernel
+from proxnav.geometry.compiled.vectors import put, rotate
 from proxnav.pose.solve.kernels.p3p import p3p
 from proxnav.pose.solve.kernels.refinement import distances, refine
+from proxnav.pose.solve.kernels.weights import squared
 
 MODES = 4  # candidate poses kept after the search
 MODE_TRACE = 1.0 + 2.0 * math.cos(math.radians(15.0))  # candidates nearer than this are one mode
@@ -18,13 +20,11 @@ def _cost(R, t, X, xy, ray_info, side, gate2, best):
     """Truncated squared error (MSAC) on the plane z = 1; infinite when a point is on the wrong side or above best."""
     total = 0.0
     for i in range(len(X)):
-        z = R[2, 0] * X[i, 0] + R[2, 1] * X[i, 1] + R[2, 2] * X[i, 2] + t[2]
+        p = rotate(R, X[i])
+        z = p[2] + t[2]
         if z * side <= 0.0:
             return np.inf
-        ex = (R[0, 0] * X[i, 0] + R[0, 1] * X[i, 1] + R[0, 2] * X[i, 2] + t[0]) / z - xy[i, 0]
-        ey = (R[1, 0] * X[i, 0] + R[1, 1] * X[i, 1] + R[1, 2] * X[i, 2] + t[1]) / z - xy[i, 1]
-        d2 = ex * (ray_info[i, 0] * ex + 2.0 * ray_info[i, 1] * ey) + ray_info[i, 2] * ey * ey
-        total += min(d2, gate2)
+        total += min(squared(ray_info[i], (p[0] + t[0]) / z - xy[i, 0], (p[1] + t[1]) / z - xy[i, 1]), gate2)
         if total > best:
             return np.inf
     return total
@@ -54,7 +54,7 @@ def _keep(R, t, cost, modes_R, modes_t, costs):
 def search(X, xy, ray_info, side, gate2, every, max_samples, confidence, seed, modes_R, modes_t, costs):
     """Poses of three-point subsets, all of them (`every`) or drawn until enough, sorted into distinct modes."""
     n = len(X)
-    rays, triple = np.empty((3, 3)), np.empty((3, 3))
+    rays, three = np.empty((3, 3)), np.empty((3, 3))
     Rs, ts, picks = np.empty((4, 3, 3)), np.empty((4, 3)), np.array([0, 1, 2])
     state, needed, drawn, best = np.uint64(2 * seed + 1), max_samples, 0, np.inf
     while every or drawn < needed:
@@ -68,10 +68,10 @@ def search(X, xy, ray_info, side, gate2, every, max_samples, confidence, seed, m
         for m in range(3):
             x, y = xy[picks[m], 0], xy[picks[m], 1]
             norm = math.sqrt(1.0 + x * x + y * y)
-            rays[m, 0], rays[m, 1], rays[m, 2] = x / norm, y / norm, 1.0 / norm
-            triple[m, 0], triple[m, 1], triple[m, 2] = X[picks[m], 0], X[picks[m], 1], X[picks[m], 2]
+            put(rays[m], 0, (x / norm, y / norm, 1.0 / norm))
+            put(three[m], 0, X[picks[m]])
         worst = np.max(costs)
-        for s in range(p3p(triple, rays, side, Rs, ts)):
+        for s in range(p3p(three, rays, side, Rs, ts)):
             cost = _cost(Rs[s], ts[s], X, xy, ray_info, side, gate2, worst)
             if cost < np.inf:
                 _keep(Rs[s], ts[s], cost, modes_R, modes_t, costs)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from proxnav.geometry.compiled.kernel import kernel
+from proxnav.geometry.compiled.vectors import cross, dot, minus, over, rotate
 
 
 @kernel
@@ -91,27 +92,22 @@ def _polish_depths(d, cosines, squares):
 @kernel
 def _triad(p, E):
     """Orthonormal axes of a triangle (rows of p) as columns of E; False when it is a line."""
-    a0, a1, a2 = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
-    b0, b1, b2 = p[2, 0] - p[0, 0], p[2, 1] - p[0, 1], p[2, 2] - p[0, 2]
-    n0, n1, n2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
-    length, area = math.sqrt(a0 * a0 + a1 * a1 + a2 * a2), math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
-    if not area > 1e-5 * max(length * length, b0 * b0 + b1 * b1 + b2 * b2):
+    a, b = minus(p[1], p[0]), minus(p[2], p[0])
+    n = cross(a, b)
+    length, area = math.sqrt(dot(a, a)), math.sqrt(dot(n, n))
+    if not area > 1e-5 * max(length * length, dot(b, b)):
         return False
-    E[0, 0], E[1, 0], E[2, 0] = a0 / length, a1 / length, a2 / length
-    E[0, 2], E[1, 2], E[2, 2] = n0 / area, n1 / area, n2 / area
-    E[0, 1] = E[1, 2] * E[2, 0] - E[2, 2] * E[1, 0]
-    E[1, 1] = E[2, 2] * E[0, 0] - E[0, 2] * E[2, 0]
-    E[2, 1] = E[0, 2] * E[1, 0] - E[1, 2] * E[0, 0]
+    x, z = over(a, length), over(n, area)
+    y = cross(z, x)
+    for k in range(3):
+        E[k, 0], E[k, 1], E[k, 2] = x[k], y[k], z[k]
     return True
 
 
 @kernel
 def _form(Q, a, b):
     """a^T Q b."""
-    total = 0.0
-    for m in range(3):
-        total += a[m] * (Q[m, 0] * b[0] + Q[m, 1] * b[1] + Q[m, 2] * b[2])
-    return total
+    return dot(a, rotate(Q, b))
 
 
 @kernel
@@ -152,8 +148,8 @@ def _align(d, rays, side, X, EX, R, t):
         return 0
     for a in range(3):
         for b in range(3):
-            R[a, b] = EC[a, 0] * EX[b, 0] + EC[a, 1] * EX[b, 1] + EC[a, 2] * EX[b, 2]
-        t[a] = P[0, a] - (R[a, 0] * X[0, 0] + R[a, 1] * X[0, 1] + R[a, 2] * X[0, 2])
+            R[a, b] = dot(EC[a], EX[b])
+        t[a] = P[0, a] - dot(R[a], X[0])
     return 1
 
 
@@ -170,7 +166,7 @@ def p3p(X, rays, side, R_out, t_out):
     cosines, squares = np.empty(3), np.empty(3)
     for k in range(3):
         i, j = (0, 1) if k == 0 else ((0, 2) if k == 1 else (1, 2))
-        cosines[k] = rays[i, 0] * rays[j, 0] + rays[i, 1] * rays[j, 1] + rays[i, 2] * rays[j, 2]
+        cosines[k] = dot(rays[i], rays[j])
         squares[k] = (X[i, 0] - X[j, 0]) ** 2 + (X[i, 1] - X[j, 1]) ** 2 + (X[i, 2] - X[j, 2]) ** 2
     c12, c13, c23 = cosines[0], cosines[1], cosines[2]
     size = squares[0] + squares[1] + squares[2]
@@ -178,8 +174,7 @@ def p3p(X, rays, side, R_out, t_out):
     D1 = np.array([[a23, -a23 * c12, 0.0], [-a23 * c12, a23 - a12, a12 * c23], [0.0, a12 * c23, -a12]])
     D2 = np.array([[a23, 0.0, -a23 * c13], [0.0, -a13, a13 * c23], [-a23 * c13, a13 * c23, a23 - a13]])
     A1, A2 = _adjugate(D1), _adjugate(D2)
-    c0 = D1[0, 0] * A1[0, 0] + D1[0, 1] * A1[0, 1] + D1[0, 2] * A1[0, 2]
-    c3 = D2[0, 0] * A2[0, 0] + D2[0, 1] * A2[0, 1] + D2[0, 2] * A2[0, 2]
+    c0, c3 = dot(D1[0], A1[0]), dot(D2[0], A2[0])
     if abs(c3) < abs(c0):
         D1, D2, A1, A2, c0, c3 = D2, D1, A2, A1, c3, c0
     c1, c2 = np.sum(A1 * D2), np.sum(A2 * D1)
