@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,17 +75,17 @@ def test_a_read_only_disk_is_one_sentence(small_disk: Path, capsys) -> None:
 @pytest.mark.parametrize("call", range(1, 14))
 def test_wherever_the_disk_runs_full_a_set_resumes_to_the_same_bytes(call: int, tmp_path: Path, monkeypatch) -> None:
     """The file layer refuses its `call`-th file: camera, target, scenes, frames or the annotations at the end."""
-    written, replace_file = 0, files._replace
+    written, replacing = 0, files.replacing
 
-    def full(path: Path, content: bytes) -> None:
+    def full(path: Path) -> AbstractContextManager[Path]:
         nonlocal written
         written += 1
         if written == call:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-        replace_file(path, content)
+        return replacing(path)
 
     with monkeypatch.context() as patched:
-        patched.setattr(files, "_replace", full)
+        patched.setattr(files, "replacing", full)
         if call <= 10:
             with pytest.raises(InputError, match="no room left"):
                 make_dataset(tmp_path / "cut", 2)

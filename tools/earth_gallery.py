@@ -12,11 +12,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from proxnav.geometry import Camera
+from proxnav.geometry.celestial import geodetic_to_ecef
 from proxnav.records import EarthSpec, SceneSpec, SunSpec, Window
 from proxnav.rendering.earth import background_image
 
 GALLERY = Path(__file__).resolve().parents[1] / "docs" / "gallery"
-A_M, E2 = 6_378_137.0, 6.69437999014e-3
 
 # latitude, longitude, Sun elevation and azimuth there, view off nadir and azimuth (all deg), cloud cover and seed
 VIEWS = {
@@ -40,8 +40,7 @@ def scene(
     up = np.array([np.cos(la) * np.cos(lo), np.cos(la) * np.sin(lo), np.sin(la)])
     east = np.array([-np.sin(lo), np.cos(lo), 0.0])
     north = np.cross(up, east)
-    n = A_M / np.sqrt(1.0 - E2 * up[2] ** 2)
-    r = (n + 400e3) * up - np.array([0.0, 0.0, n * E2 * up[2]])
+    r = geodetic_to_ecef(la, lo, 400e3)
 
     def towards(elevation: float, bearing: float) -> np.ndarray:
         el, az = np.radians([elevation, bearing])

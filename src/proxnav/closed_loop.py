@@ -127,8 +127,7 @@ def _expected(navigator: Navigator, t: float, estimator: PoseEstimator, camera: 
     state = navigator.at(t)
     if state is None or state.status not in ("tracking", "coasting"):
         return None
-    box = predict_measurement(state, estimator.points_target_m, camera).box_xyxy
-    return box if np.isfinite(box).all() and (box[2:] - box[:2]).min() > 1.0 else None
+    return predict_measurement(state, estimator.points_target_m, camera).box_xyxy
 
 
 def _keypoints(found: list[_Found]) -> KeypointData:

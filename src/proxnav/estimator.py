@@ -14,8 +14,8 @@ from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.sessions import Backend, open_session
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.boxes import box_in_image
 from proxnav.geometry.types import Box
-from proxnav.images.crop import box_in_image
 from proxnav.images.size import check_size
 from proxnav.images.tones import grey_8_bit
 from proxnav.pose.align import AlignConfig, Alignment, Prior, align

@@ -4,9 +4,9 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from proxnav.flight.sensors.camera import DetectorConfig
 
 from proxnav.evaluation.navigation_errors import NavErrors, nav_errors
-from proxnav.flight.sensors.camera import DetectorConfig
 from proxnav.flight.simulate import SensingConfig, SimulationConfig, simulate
 from proxnav.flight.truth import Truth, TruthConfig
 from proxnav.flight.truth_files import true_states

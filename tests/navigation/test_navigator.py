@@ -301,6 +301,7 @@ def test_the_predicted_view_holds_the_next_keypoints() -> None:
     states, _, _ = run_filter(records, setup, np.array([100.0]))
     assert states[0] is not None
     view = predict_measurement(states[0], points(), CAMERA)
+    assert view.box_xyxy is not None
     k = round(100.0 / truth.step_s)
     true_px = CAMERA.project(points() @ quaternion.to_matrix(truth.q_cam_target[k]).T + truth.t_cam_target_m[k])
     assert np.linalg.norm(view.keypoints_px - true_px, axis=1).max() < 5.0  # px

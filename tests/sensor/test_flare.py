@@ -7,8 +7,8 @@ import pytest
 
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import ExposureSpec, SensorSpec, SunSpec, Window
-from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.sensor import expose, flare
 from proxnav.sensor.expose import form_image
 

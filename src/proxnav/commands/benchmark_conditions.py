@@ -24,7 +24,6 @@ from proxnav.learning.crops import BEHIND_M
 from proxnav.missions import Mission, load_mission
 from proxnav.records import PoseResult, SceneSpec
 from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
-from proxnav.scenes.random_sun import phase_angle
 from proxnav.storage.files import write_json
 from proxnav.targets.loading import load_target
 
@@ -207,7 +206,7 @@ def dry_run(config: ConditionsConfig) -> str:
 
 def _split(scenes: Sequence[SceneSpec], results: Sequence[PoseResult]) -> dict[str, Any]:
     """The nominal frames by phase angle, and by what is behind the target."""
-    phase = np.degrees([phase_angle(scene.sun, scene.T_cam_target.inverse().t_m) for scene in scenes])
+    phase = np.degrees([scene.phase_rad for scene in scenes])
     earth = np.array([is_before_earth(scene) for scene in scenes])
     groups = {f"  phase {a}-{b} deg": (phase >= a) & (phase < b) for a, b in ((0, 30), (30, 60), (60, 90))}
     groups |= {"  Earth behind": earth, "  black sky behind": ~earth}

@@ -17,8 +17,9 @@ from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.look_jobs import LookJob
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
-from proxnav.geometry import Pose, so3
+from proxnav.geometry import Pose
 from proxnav.geometry.perturbation import difference
+from proxnav.geometry.pose_jacobian import pose_jacobian
 from proxnav.missions import Mission, load_mission
 from proxnav.missions.flights import DAYLIGHT
 from proxnav.records import Keypoints, PoseResult, SceneSpec, Trajectory
@@ -145,7 +146,7 @@ def _read(path: Path) -> dict[float, dict[str, Any]]:
 
 def _frame(scene: SceneSpec, line: dict[str, Any], points_m: np.ndarray) -> FrameErrors:
     found = np.isfinite(np.array(line["error_px"], dtype=np.float64)[:, 0])
-    cov, J = np.array(line["cov_px2"], dtype=np.float64), _jacobian(scene, points_m)
+    cov, J = np.array(line["cov_px2"], dtype=np.float64), pose_jacobian(scene.T_cam_target, points_m, scene.camera)
     return FrameErrors(scene.t, line["range_m"], np.array(line["error_px"])[found], cov[found], J[found])
 
 
@@ -154,7 +155,7 @@ def _pose(scene: SceneSpec, line: dict[str, Any], points_m: np.ndarray) -> PoseE
     A = np.eye(6)
     A[3:, 3:] = scene.T_cam_target.R.T
     error, cov = A @ np.array(line["pose_error"]), A @ np.array(line["pose_covariance"]) @ A.T
-    J = _jacobian(scene, points_m)
+    J = pose_jacobian(scene.T_cam_target, points_m, scene.camera)
     of_one_px = np.linalg.inv(np.einsum("kai,kaj->ij", J, J))
     volumes = np.linalg.slogdet(cov)[1] - np.linalg.slogdet(of_one_px)[1]
     step, information = least_squares_pose(_frame(scene, line, points_m))
@@ -167,10 +168,3 @@ def _pose(scene: SceneSpec, line: dict[str, Any], points_m: np.ndarray) -> PoseE
         A @ step,
         A @ np.linalg.inv(information) @ A.T,
     )
-
-
-def _jacobian(scene: SceneSpec, points_m: np.ndarray) -> np.ndarray:
-    """(k, 2, 6) pixels by (dt, dr) in camera axes, at the truth."""
-    turned = points_m @ scene.T_cam_target.R.T
-    J_pi = scene.camera.projection_jacobian(turned + scene.T_cam_target.t_m)
-    return np.concatenate([J_pi, -J_pi @ so3.skew(turned)], axis=-1)

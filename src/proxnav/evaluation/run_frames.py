@@ -17,9 +17,9 @@ from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
 from proxnav.evaluation.label_bounds import label_bound_errors
 from proxnav.geometry import Camera
-from proxnav.geometry.arrays import frozen, unit
+from proxnav.geometry.arrays import frozen
 from proxnav.geometry.types import Points
-from proxnav.records import Keypoints, SceneSpec
+from proxnav.records import Keypoints
 from proxnav.storage.files import inside, read_json, write_json
 from proxnav.storage.numbers import finite_numbers
 
@@ -76,7 +76,7 @@ def run_frames_of(dataset: Dataset, points_target_m: Points, keypoints: Sequence
         FrameNote(
             label.filename,
             scene.t if scene is not None and flown else float(k),
-            np.nan if scene is None else phase_angle(scene),
+            np.nan if scene is None else scene.phase_rad,
             *label_bound_errors(label, points_target_m, dataset.camera),
             found.pixels,
             found.scores,
@@ -87,12 +87,6 @@ def run_frames_of(dataset: Dataset, points_target_m: Points, keypoints: Sequence
     target = dataset.target_name if scenes[0] is None else scenes[0].target
     epoch = scenes[0].epoch_utc if scenes[0] is not None and flown else ""
     return RunFrames(tuple(notes), dataset.camera, points_target_m, target, epoch, dataset.folder)
-
-
-def phase_angle(scene: SceneSpec) -> float:
-    """Angle Sun, target, camera [rad]: 0 with the Sun behind the camera."""
-    to_camera = unit(scene.T_cam_target.inverse().t_m)
-    return float(np.arccos(np.clip(to_camera @ np.array(scene.sun.direction_target), -1.0, 1.0)))
 
 
 def write_run_frames(folder: Path, run: RunFrames) -> None:

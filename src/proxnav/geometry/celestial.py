@@ -15,12 +15,13 @@ from proxnav.geometry.types import QuatWxyz, Rotation3x3, Vector3
 MU_EARTH = 3.986004418e14  # m^3/s^2, WGS-84
 EARTH_EQUATORIAL_RADIUS = 6378137.0  # m, WGS-84
 EARTH_FLATTENING = 1.0 / 298.257223563  # WGS-84
-EARTH_POLAR_RADIUS = EARTH_EQUATORIAL_RADIUS * (1.0 - EARTH_FLATTENING)  # m
+EARTH_POLAR_RADIUS = 6356752.314245  # m, WGS-84
 EARTH_MEAN_RADIUS = 6371008.8  # m, IUGG R1 = (2a + b)/3 of GRS-80
 EARTH_J2 = 1.08262668e-3  # EGM96, unnormalised
 EARTH_RATE = 7.292115e-5  # rad/s, WGS-84, inertial
 ASTRONOMICAL_UNIT = 1.495978707e11  # m, IAU 2012
 SUN_RADIUS = 6.957e8  # m, IAU 2015 nominal
+SUN_HALF_ANGLE = 4.65e-3  # rad, mean angular radius of the Sun seen from 1 au
 
 _OBLIQUITY = np.deg2rad(23.43929111)  # of J2000
 _PRECESSION_DEG_PER_CENTURY = 1.3972  # general precession in longitude, moves the equinox of date back to J2000

@@ -1,6 +1,7 @@
 """Cameras and bodies that point somewhere: attitudes from a direction and an up vector."""
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry import quaternion
 from proxnav.geometry.arrays import unit
@@ -31,6 +32,12 @@ def q_between(a: Vector3, b: Vector3) -> QuatWxyz:
     spare = np.cross(a, np.where(np.abs(a[..., :1]) < 0.6, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
     axis = np.where(flipped, spare, np.cross(a, b))
     return quaternion.normalize(np.concatenate([np.where(flipped, 0.0, w), axis], axis=-1))
+
+
+def phase_angle(to_sun: Vector3, to_camera: Vector3) -> Float[np.ndarray, "*#batch"] | float:
+    """Angle at the target [rad] between the unit direction to the Sun and the camera; 0 is light from behind it."""
+    cosine = np.sum(to_sun * to_camera, axis=-1) / np.linalg.norm(to_camera, axis=-1)
+    return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
 def continuous(q: QuatWxyz) -> QuatWxyz:

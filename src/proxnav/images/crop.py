@@ -6,9 +6,6 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.geometry import Camera
-from proxnav.geometry.types import Box, Pixels
-
 
 @dataclass(frozen=True, slots=True)
 class Crop:
@@ -35,15 +32,6 @@ class Crop:
     def to_image(self, pixels: np.ndarray, side: int) -> np.ndarray:
         """Inverse of `to_network`."""
         return pixels * (self.size / side) + (self.x, self.y)
-
-
-def box_in_image(pixels: Pixels, camera: Camera) -> Box | None:
-    """The box of projected points [px], cut at the image's edges; None when nothing of it is in the image."""
-    if not np.isfinite(pixels).all(axis=1).any():
-        return None
-    size = np.array([camera.width, camera.height], dtype=np.float64)
-    box = np.concatenate([np.clip(np.nanmin(pixels, axis=0), 0.0, size), np.clip(np.nanmax(pixels, axis=0), 0.0, size)])
-    return box if (box[2:] - box[:2]).min() > 1.0 else None
 
 
 def cut(image: np.ndarray, crop: Crop, side: int) -> np.ndarray:

@@ -12,10 +12,10 @@ from itertools import chain, count, islice
 import numpy as np
 
 from proxnav.cluster.local import in_order
-from proxnav.datasets.set.labelling import mask_box
 from proxnav.detection.samples import SampleSource, TrainingSample
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.boxes import box_of_mask, box_of_points, cut_at_edges
 from proxnav.images.crop import Crop, resample
 from proxnav.images.tones import as_8_bit
 from proxnav.missions import Mission
@@ -64,7 +64,9 @@ class CropJob:
         def make(index: int) -> TrainingSample:
             scene = _scene(index, config)
             rng = np.random.default_rng([config.seed, index, 1])
-            return _draw(scene, _jittered(projected_box(target, scene), config, rng), config.side, target, renderer)
+            pixels = scene.camera.project(scene.T_cam_target @ target.vertices_m)
+            box = cut_at_edges(box_of_points(pixels), scene.camera)
+            return _draw(scene, _jittered(box, config, rng), config.side, target, renderer)
 
         return make
 
@@ -142,14 +144,6 @@ def _scene(index: int, config: CropConfig) -> SceneSpec:
     return replace(scene, texture=texture)
 
 
-def projected_box(target: Target, scene: SceneSpec) -> np.ndarray:
-    """(4,) box of the target's vertices in the image [px], cut at the image's edges."""
-    pixels = scene.camera.project(scene.T_cam_target @ target.vertices_m)
-    size = np.array([scene.camera.width, scene.camera.height])
-    low, high = np.nanmin(pixels, axis=0), np.nanmax(pixels, axis=0)
-    return np.concatenate([np.clip(low, 0, size), np.clip(high, 0, size)])
-
-
 def _jittered(box: np.ndarray, config: CropConfig, rng: np.random.Generator) -> Crop:
     longer = max(box[2] - box[0], box[3] - box[1])
     shift = config.shift * longer * rng.uniform(-1.0, 1.0, size=2)
@@ -172,7 +166,7 @@ def _draw(scene: SceneSpec, crop: Crop, side: int, target: Target, renderer: Ray
         image=resample(np.where(inside, as_8_bit(image, scene.sensor.bits), np.uint8(0)), side),
         keypoints_px=crop.to_network(keypoints, side),
         visibility=np.where(scene.camera.contains(keypoints), seen, NOT_IN_IMAGE),
-        box_xyxy=mask_box(mask) * (side / pixels),
+        box_xyxy=box_of_mask(mask) * (side / pixels),
         mask=resample(mask.astype(np.uint8) * 255, side) > 127,
     )
 

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.geometry import Camera, Pose, so3
+from proxnav.geometry import Camera, Pose
+from proxnav.geometry.boxes import box_in_image
+from proxnav.geometry.pose_jacobian import pose_jacobian
 from proxnav.geometry.types import Box, Pixels, Points
 from proxnav.navigation.layout import PoseCovariance
 from proxnav.records import NavState
@@ -24,31 +26,17 @@ class PredictedMeasurement:
     """NaN behind the camera."""
     keypoint_sigma_px: Float[np.ndarray, "n_keypoints"]
     """Largest standard deviation of each predicted keypoint."""
-    box_xyxy: Box
-    """Holds the given points with three standard deviations around them, cut at the image [px]; NaN when outside."""
+    box_xyxy: Box | None
+    """Box [px] of the given points with three standard deviations around each, cut at the image; None when outside."""
 
 
 def predict_measurement(state: NavState, points_m: Points, camera: Camera) -> PredictedMeasurement:
     """Expectation for a frame at the time of `state`; `points_m`: keypoints, or the mesh's vertices for a full box."""
     T = Pose.from_wxyz("cam", "target", state.q_cam_target, state.t_cam_target_m)
-    cam = T @ points_m
-    pixels = camera.project(cam)
+    pixels = camera.project(T @ points_m)
     front = np.isfinite(pixels[:, 0])
-    turned = points_m[front] @ T.R.T
-    J_pi = camera.projection_jacobian(cam[front])
-    J = np.concatenate([J_pi, -J_pi @ so3.skew(turned)], axis=-1)
-    C = J @ state.pose_covariance @ np.swapaxes(J, -1, -2)
+    J = pose_jacobian(T, points_m[front], camera)
     sigma = np.full(len(points_m), np.nan)
-    sigma[front] = np.sqrt(np.linalg.eigvalsh(C)[:, -1]) if front.any() else []
-    return PredictedMeasurement(T, state.pose_covariance, pixels, sigma, _box(pixels[front], sigma[front], camera))
-
-
-def _box(pixels: Pixels, sigma: Float[np.ndarray, "n"], camera: Camera) -> Box:
-    if len(pixels) == 0:
-        return np.full(4, np.nan)
-    margin = _SIGMAS * sigma[:, None]
-    size = np.array([camera.width, camera.height], dtype=np.float64)
-    low, high = (pixels - margin).min(axis=0), (pixels + margin).max(axis=0)
-    if (low >= size).any() or (high <= 0.0).any():
-        return np.full(4, np.nan)
-    return np.concatenate([np.clip(low, 0.0, size), np.clip(high, 0.0, size)])
+    sigma[front] = np.sqrt(np.linalg.eigvalsh(J @ state.pose_covariance @ np.swapaxes(J, -1, -2))[:, -1])
+    box = box_in_image(pixels, camera, _SIGMAS * sigma[:, None])
+    return PredictedMeasurement(T, state.pose_covariance, pixels, sigma, box)

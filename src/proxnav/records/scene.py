@@ -3,8 +3,11 @@
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from typing import Any, get_type_hints
 
+import numpy as np
+
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.pointing import phase_angle
 from proxnav.records.sensor import ExposureSpec, SensorSpec
 
 VERSION = 1
@@ -17,8 +20,6 @@ Quadruple = tuple[float, float, float, float]
 
 SUN_IRRADIANCE = (163.45, 184.86, 181.72)
 """W/m^2 at 1 au in the bands 600-700, 500-600, 400-500 nm: 530 W/m^2 split as a 5772 K black body."""
-SUN_HALF_ANGLE = 4.65e-3
-"""rad, mean angular radius of the Sun seen from 1 au."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,11 @@ class SceneSpec:
     def T_cam_target(self) -> Pose:
         """Pose of the target in the camera frame."""
         return Pose.from_wxyz("cam", "target", self.q_cam_target, self.t_cam_target_m)
+
+    @property
+    def phase_rad(self) -> float:
+        """Angle Sun, target, camera: 0 with the Sun behind the camera."""
+        return float(phase_angle(np.array(self.sun.direction_target), self.T_cam_target.inverse().t_m))
 
     @property
     def filename(self) -> str:

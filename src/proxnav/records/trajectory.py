@@ -3,10 +3,12 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.pointing import phase_angle
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +55,11 @@ class Trajectory:
     def range_m(self) -> np.ndarray:
         """(n,) distance from camera to target [m]."""
         return np.linalg.norm(self.r_eci_target_m - self.r_eci_chaser_m, axis=1)
+
+    @property
+    def phase_rad(self) -> Float[np.ndarray, "n"]:
+        """Angle Sun, target, camera: 0 with the Sun behind the camera."""
+        return np.asarray(phase_angle(self.sun_eci, self.r_eci_chaser_m - self.r_eci_target_m))
 
     def T_cam_target(self, index: int) -> Pose:
         """Pose of the target in the camera frame at instant `index`."""

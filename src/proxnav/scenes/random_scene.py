@@ -12,10 +12,11 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.celestial import EARTH_MEAN_RADIUS
+from proxnav.geometry.pointing import phase_angle
 from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.records import EarthSpec, ExposureSpec, SceneSpec, SensorSpec, SunSpec, TextureSpec
 from proxnav.scenes.plain import quadruple, triple
-from proxnav.scenes.random_sun import SunConfig, draw_light, draw_sun, phase_angle
+from proxnav.scenes.random_sun import SunConfig, draw_light, draw_sun
 from proxnav.scenes.random_view import ViewConfig, draw_view, sees_earth
 
 DrawSensor = Callable[[np.random.Generator], SensorSpec]
@@ -109,7 +110,8 @@ def _draw_geometry(
 
 
 def _lit_as_asked(sun: SunSpec, T_cam_target: Pose, config: SunConfig) -> bool:
-    return config.min_phase_rad <= phase_angle(sun, T_cam_target.inverse().t_m) <= config.max_phase_rad
+    phase_rad = phase_angle(np.array(sun.direction_target), T_cam_target.inverse().t_m)
+    return bool(config.min_phase_rad <= phase_rad <= config.max_phase_rad)
 
 
 def _draw_attitude(rng: np.random.Generator, config: RandomSceneConfig) -> QuatWxyz:

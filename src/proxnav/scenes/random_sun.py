@@ -6,12 +6,11 @@ from typing import Literal
 import numpy as np
 
 from proxnav.errors import InputError
-from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, sun_visible_fraction
+from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, SUN_HALF_ANGLE, sun_visible_fraction
 from proxnav.geometry.pointing import q_between
 from proxnav.geometry.quaternion import rotate
 from proxnav.geometry.types import Vector3
 from proxnav.records import SunSpec
-from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.scenes.plain import triple
 
 Light = Literal["sunlit", "penumbra", "umbra"]
@@ -57,9 +56,3 @@ def draw_sun(rng: np.random.Generator, light: Light, nadir_target: Vector3, orbi
     direction = rotate(q_between(np.array([0.0, 0.0, 1.0]), nadir_target), about_nadir)
     fraction = sun_visible_fraction(-orbit_radius_m * nadir_target, direction)
     return SunSpec(direction_target=triple(direction), visible_fraction=float(fraction))
-
-
-def phase_angle(sun: SunSpec, to_camera_target: Vector3) -> float:
-    """Angle at the target between the Sun and the camera [rad]."""
-    cosine = np.dot(sun.direction_target, to_camera_target) / np.linalg.norm(to_camera_target)
-    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))

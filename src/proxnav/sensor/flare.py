@@ -12,9 +12,9 @@ from jaxtyping import Float
 
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.kernel import kernel
 from proxnav.records import Frame, SceneSpec, SensorSpec, Window
-from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.sensor import noise
 from proxnav.sensor.photometry import BAND_CENTRES_M, electrons_per_radiance, focal_length_m
 

@@ -22,10 +22,25 @@ def write_atomic(path: Path, content: bytes) -> None:
     InputError where the place cannot be written to.
     """
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        _replace(path, content)
+        with replacing(path) as part:
+            part.write_bytes(content)
     except OSError as error:
         raise cannot_write(path, error) from None
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A file beside `path` to write to: it becomes `path` when the block ends well, and is removed when it does not."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    os.close(handle)
+    part = Path(name)
+    try:
+        yield part
+        part.chmod(0o644)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def cannot_write(path: Path, error: OSError) -> InputError:
@@ -34,18 +49,6 @@ def cannot_write(path: Path, error: OSError) -> InputError:
         return InputError(f"{path}: no room left ({error.strerror}); make room, the same command resumes")
     reason = error.strerror or str(error)
     return InputError(f"{path}: cannot be written ({reason}); give another place to write to")
-
-
-def _replace(path: Path, content: bytes) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
 
 
 def check_new_file(path: Path) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 
 from proxnav.errors import InputError
 from proxnav.storage.cache import cache_folder
-from proxnav.storage.files import inside, write_json
+from proxnav.storage.files import inside, replacing, write_json
 
 _URL = re.compile(r"^(?P<scheme>file|s3|gs|gcs|abfs|az|memory):/{1,3}(?P<rest>.*)$")
 MAX_FETCH_BYTES = 2**40
@@ -120,10 +120,8 @@ class Mirror:
         place = inside(self.folder, name)
         if not name or (place.exists() and self.seen.get(name, [None])[0] == mark):
             return
-        place.parent.mkdir(parents=True, exist_ok=True)
-        part = place.with_name(f".{place.name}.part")
-        files.get_file(path, str(part))
-        part.replace(place)
+        with replacing(place) as part:
+            files.get_file(path, str(part))
         self.seen[name] = [mark, *_stamp(place)]
 
     def send(self) -> int:

@@ -1,6 +1,5 @@
 """A target on disk: target.json for people and programs, mesh.npz for the exact numbers."""
 
-import json
 import zipfile
 import zlib
 from dataclasses import asdict
@@ -10,20 +9,20 @@ from typing import Any, get_args
 import numpy as np
 
 from proxnav.errors import InputError
+from proxnav.storage.files import read_json, replacing, write_json
 from proxnav.targets.surface.material import Material, MaterialKind
 from proxnav.targets.target import Target
 
 VERSION = 1
 MAX_BYTES = 1024 * 2**20
-_MOST_JSON = 64 * 2**20
 _ARRAYS = ("vertices_m", "faces", "face_part", "corner_normals", "corner_uv_m")
 
 
 def save_target(target: Target, folder: Path | str) -> Path:
     """Writes target.json and mesh.npz into `folder`, which is made if need be; returns the path of target.json."""
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(folder / "mesh.npz", **{name: getattr(target, name) for name in _ARRAYS})
+    with replacing(folder / "mesh.npz") as part, part.open("wb") as file:
+        np.savez_compressed(file, **{name: getattr(target, name) for name in _ARRAYS})
     parts = [{"name": n} | asdict(m) for n, m in zip(target.part_names, target.materials, strict=True)]
     content = {
         "version": VERSION,
@@ -36,7 +35,7 @@ def save_target(target: Target, folder: Path | str) -> Path:
         "licence": target.licence,
         "source": target.source,
     }
-    (folder / "target.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    write_json(folder / "target.json", content, indent=1)
     return folder / "target.json"
 
 
@@ -67,12 +66,7 @@ def read_target(path: Path | str) -> Target:
 
 
 def _content(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > _MOST_JSON:
-            raise ValueError("too large")
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        raise InputError(f"{path}: not a readable target.json") from None
+    content = read_json(path, "what proxnav target new writes")
     if not isinstance(content, dict) or content.get("version") != VERSION or "parts" not in content:
         raise InputError(f"{path}: holds no mesh of version {VERSION}; expected what proxnav target new writes")
     if content.get("mesh") != "mesh.npz":

@@ -4,7 +4,6 @@ import numpy as np
 from jaxtyping import Bool
 
 from proxnav.errors import InputError
-from proxnav.geometry.arrays import unit
 from proxnav.records import Trajectory
 
 _SERIES = (
@@ -40,9 +39,7 @@ def clip_range(trajectory: Trajectory, least_m: float, most_m: float) -> Traject
 
 def observable(trajectory: Trajectory, max_phase_rad: float) -> Bool[np.ndarray, "n"]:
     """Instants at which the target is sunlit and the angle Sun-target-camera is at most `max_phase_rad`."""
-    to_camera = unit(trajectory.r_eci_chaser_m - trajectory.r_eci_target_m)
-    cosine = np.einsum("ni,ni->n", to_camera, trajectory.sun_eci)
-    return (trajectory.sun_visible > 0.5) & (cosine > np.cos(max_phase_rad))
+    return (trajectory.sun_visible > 0.5) & (trajectory.phase_rad < max_phase_rad)
 
 
 def spread(trajectory: Trajectory, count: int) -> Trajectory:

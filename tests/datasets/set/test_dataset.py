@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from boxcraft import boxcraft
 from proxnav.datasets.set.dataset import Dataset
-from proxnav.datasets.set.labelling import label_frame, mask_box
+from proxnav.datasets.set.labelling import label_frame
 from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.boxes import box_of_mask
 from proxnav.images.codecs import encode_png, read_image
 from proxnav.records import HIDDEN, NOT_IN_IMAGE, VISIBLE, EarthSpec, SceneSpec, SunSpec
 
@@ -73,8 +74,8 @@ def test_keypoints_are_labelled_where_the_camera_projects_them():
 def test_the_box_is_the_outer_edge_of_the_mask():
     mask = np.zeros((10, 12), bool)
     mask[2:5, 3:9] = True
-    np.testing.assert_array_equal(mask_box(mask), [3, 2, 9, 5])
-    assert np.isnan(mask_box(np.zeros((3, 3), bool))).all()
+    np.testing.assert_array_equal(box_of_mask(mask), [3, 2, 9, 5])
+    assert np.isnan(box_of_mask(np.zeros((3, 3), bool))).all()
 
 
 def test_a_data_set_reads_back_what_was_written(tmp_path):

@@ -7,8 +7,9 @@ from tests.pose.solve.cases import CAMERA, FISH, SIX, many, random_pose
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion, so3
+from proxnav.geometry.pose_jacobian import pose_jacobian
 from proxnav.pose.solve.config import PoseConfig
-from proxnav.pose.solve.crlb import cramer_rao_white, pose_jacobian
+from proxnav.pose.solve.crlb import cramer_rao_white
 from proxnav.pose.solve.estimate import estimate_pose
 
 

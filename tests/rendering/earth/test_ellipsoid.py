@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxnav.rendering.earth.ellipsoid import A_M, B_M, intersect
+from proxnav.geometry.celestial import EARTH_POLAR_RADIUS as B_M
+from proxnav.rendering.earth.ellipsoid import A_M, intersect
 
 
 def test_rays_along_the_axes_meet_the_equator_and_the_poles():

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from proxnav.datasets.formats.labels import LabelRecord, Labels
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.boxes import box_of_points, cut_at_edges
 from proxnav.records import NOT_IN_IMAGE
 
 Order = Literal["wxyz", "xyzw"]
@@ -91,6 +92,5 @@ def _miss(record: LabelRecord, points_m: np.ndarray, camera: Camera, reading: _R
         return float(np.linalg.norm(projected - pixels, axis=1)[known].mean() / size) if known.any() else np.inf
     if record.box_xyxy is None or not np.isfinite(projected).all():
         return np.inf
-    box = np.concatenate([projected.min(axis=0), projected.max(axis=0)])
-    limits = np.array([camera.width, camera.height] * 2, dtype=np.float64)
-    return float(np.abs(np.clip(box, 0.0, limits) - record.box_xyxy).mean() / size)
+    box = cut_at_edges(box_of_points(projected), camera)
+    return float(np.abs(box - record.box_xyxy).mean() / size)

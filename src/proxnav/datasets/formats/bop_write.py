@@ -15,9 +15,9 @@ from proxnav.datasets.formats.bop import MM, image_number, to_json_lines
 from proxnav.datasets.formats.labels import LabelRecord, Labels, box_of, need_camera
 from proxnav.datasets.formats.options import WriteOptions
 from proxnav.datasets.formats.places import place
-from proxnav.datasets.set.labelling import mask_box
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.boxes import box_of_mask
 from proxnav.images.codecs import read_image
 from proxnav.storage.files import write_atomic, write_json
 
@@ -96,7 +96,7 @@ def _info(record: LabelRecord) -> dict[str, Any]:
     else:
         mask = read_image(record.mask)
         mask = (mask if mask.ndim == 2 else mask[..., 0]) > 127
-        box, count = mask_box(mask), int(mask.sum())
+        box, count = box_of_mask(mask), int(mask.sum())
         box = record.box_xyxy if record.box_xyxy is not None else box
     x0, y0, x1, y1 = (float(v) for v in (np.full(4, -1.0) if box is None or np.isnan(box).any() else box))
     edges = [x0, y0, x1 - x0, y1 - y0] if x1 > x0 else [-1.0, -1.0, -1.0, -1.0]

@@ -8,6 +8,7 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.boxes import box_of_points
 from proxnav.records import NOT_IN_IMAGE, VISIBLE, FrameLabel
 
 
@@ -128,8 +129,7 @@ def box_of(record: LabelRecord, format: str) -> np.ndarray:
     """The record's box, else the extent of its keypoints."""
     if record.box_xyxy is not None:
         return record.box_xyxy
-    pixels = pixels_of(record, format)
-    return np.concatenate([pixels.min(axis=0), pixels.max(axis=0)])
+    return box_of_points(pixels_of(record, format))
 
 
 def _projected(record: LabelRecord, labels: Labels) -> LabelRecord:

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool
 
+from proxnav.geometry.boxes import box_of_mask
 from proxnav.records import HIDDEN, NOT_IN_IMAGE, VISIBLE, FrameLabel, SceneSpec
 from proxnav.targets import Target
 
@@ -21,12 +22,4 @@ def label_frame(
     pixels = scene.camera.project(T_cam_target @ target.keypoints_m)
     inside = scene.camera.contains(pixels)
     visibility = np.where(inside, np.where(unoccluded, VISIBLE, HIDDEN), NOT_IN_IMAGE)
-    return FrameLabel(scene.filename, T_cam_target, pixels, visibility, mask_box(mask))
-
-
-def mask_box(mask: Bool[np.ndarray, "height width"]) -> np.ndarray:
-    """(4,) x0, y0, x1, y1 [px]: outer edges of the outermost pixels of the mask; NaN for an empty mask."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    if rows.size == 0:
-        return np.full(4, np.nan)
-    return np.array([columns[0], rows[0], columns[-1] + 1, rows[-1] + 1], dtype=np.float64)
+    return FrameLabel(scene.filename, T_cam_target, pixels, visibility, box_of_mask(mask))

@@ -12,21 +12,19 @@ from safetensors.torch import load_file, save_file
 from torch import nn
 
 from proxnav.errors import InputError
-from proxnav.storage.files import cannot_write
+from proxnav.storage.files import cannot_write, replacing
 
 
 def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
-    """Calls `write` with a temporary name beside `path`, then renames it: readers see the old file or the new.
+    """Calls `write` with a file beside `path` that then replaces it, also when the power fails.
 
     InputError where there is no room, or no leave to write.
     """
-    temporary = path.with_name(f".{path.name}.part")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(temporary)
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        temporary.replace(path)
+        with replacing(path) as part:
+            write(part)
+            with part.open("rb") as file:
+                os.fsync(file.fileno())
     except OSError as error:
         raise cannot_write(path, error) from None
     except (RuntimeError, SafetensorError) as error:  # what torch and safetensors make of a full disk
@@ -34,8 +32,6 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
             f"{path}: cannot be written ({' '.join(str(error).split())[:160]}); is the disk full? Make room, the same "
             "command resumes"
         ) from None
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def save_checkpoint(path: Path, content: Mapping[str, Any]) -> None:

@@ -9,7 +9,8 @@ from proxnav.errors import InputError
 from proxnav.flight.sensors.fixes import every
 from proxnav.flight.sensors.gauss_markov import gauss_markov
 from proxnav.flight.truth import Truth
-from proxnav.geometry import Camera, Pose, quaternion, so3
+from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.pose_jacobian import pose_jacobians_target_axes
 from proxnav.records import KeypointData, PoseData
 from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
 from proxnav.targets.keypoints.visibility import visible_keypoints
@@ -106,14 +107,10 @@ def read_poses(
 
 
 def _views(q: np.ndarray, t_m: np.ndarray, target: Target, camera: Camera, cut: bool = True) -> _Views:
-    turned = quaternion.rotate(q[:, None], target.keypoints_m[None])
-    points = turned + t_m[:, None]
-    pixels = camera.project(points)
+    pixels = camera.project(quaternion.rotate(q[:, None], target.keypoints_m[None]) + t_m[:, None])
     if cut:
         pixels[~camera.contains(pixels)] = np.nan
-    J_pi = camera.projection_jacobian(points)
-    J_turn = -J_pi @ (quaternion.to_matrix(q)[:, None] @ so3.skew(target.keypoints_m))
-    J = np.concatenate([J_pi, J_turn], axis=-1)
+    J = pose_jacobians_target_axes(q, t_m, target.keypoints_m, camera)
     return _Views(t_m, q, pixels, np.where(np.isnan(pixels)[..., None], 0.0, J))
 
 

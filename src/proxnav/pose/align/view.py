@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.boxes import box_in_image
 from proxnav.geometry.compiled.lens import lens_numbers
 from proxnav.geometry.types import Box
-from proxnav.images.crop import Crop, box_in_image, cut
+from proxnav.images.crop import Crop, cut
 from proxnav.targets import Target
 
 

@@ -4,15 +4,9 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.errors import InputError
-from proxnav.geometry import Camera, Pose, so3
+from proxnav.geometry import Camera, Pose
+from proxnav.geometry.pose_jacobian import pose_jacobian
 from proxnav.geometry.types import Points
-
-
-def pose_jacobian(T_cam_target: Pose, points_target_m: Points, camera: Camera) -> Float[np.ndarray, "n_keypoints 2 6"]:
-    """d(pixels)/d(dt, dr) for t + dt and exp(dr) R: J = [Jpi, -Jpi [R p]x], translation first, camera frame."""
-    turned = points_target_m @ T_cam_target.R.T
-    J_pi = camera.projection_jacobian(turned + T_cam_target.t_m)
-    return np.concatenate([J_pi, -J_pi @ so3.skew(turned)], axis=-1)
 
 
 def cramer_rao(

@@ -8,8 +8,8 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import Frame, SceneSpec, TextureSpec, Window
-from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.rendering.cycles import lens
 from proxnav.rendering.cycles.blender import find_blender, worker_command
 from proxnav.rendering.cycles.camera import axes_towards, camera_matrix, to_blender

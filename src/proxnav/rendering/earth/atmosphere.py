@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel, kernel
 from proxnav.rendering.earth.ellipsoid import A_M, near_hit
 
@@ -26,7 +27,6 @@ MIE_ALBEDO = 0.94  # single-scattering albedo
 MIE_G = 0.74  # asymmetry
 OZONE = np.array([1.30e-6, 1.90e-6, 0.085e-6])  # 1/m at 25 km, tent of half-width 15 km (about 300 Dobson units)
 GROUND_ALBEDO = 0.25  # mean, for light that bounces once more before it is scattered
-SUN_HALF_ANGLE = 4.65e-3  # rad; softens the edge of Earth's shadow
 
 _T_R, _T_MU = 64, 256
 _MS_H, _MS_MU = 24, 48
@@ -93,7 +93,7 @@ def sun_transmittance(table, r, mu):
     Zero in Earth's shadow, with a penumbra of the Sun's width.
     """
     horizon = -math.sqrt(max(0.0, 1.0 - (A_M / r) ** 2)) if r > A_M else 0.0
-    disc = (mu - horizon) / (2.0 * SUN_HALF_ANGLE) + 0.5
+    disc = (mu - horizon) / (2.0 * SUN_HALF_ANGLE) + 0.5  # the disc softens the edge of Earth's shadow
     if disc <= 0.0:
         return 0.0, 0.0, 0.0
     disc = min(1.0, disc)

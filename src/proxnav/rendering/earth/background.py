@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from proxnav.geometry import Camera, quaternion
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import SceneSpec, Window
 from proxnav.rendering.earth import atmosphere, moon, sun
 from proxnav.rendering.earth.aerial import Aerial, empty
@@ -65,7 +66,7 @@ def _empty_space(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
     """Without Earth: the Sun's disc, dimmed as the scene says."""
     out = np.zeros((len(directions), 3), dtype=np.float32)
     nu = directions @ np.array(scene.sun.direction_target)
-    for i in np.flatnonzero(nu > math.cos(1.1 * sun.HALF_ANGLE)):
+    for i in np.flatnonzero(nu > math.cos(1.1 * SUN_HALF_ANGLE)):
         out[i] = [sun.disc(nu[i], k) * scene.sun.irradiance[k] * scene.sun.visible_fraction for k in range(3)]
     return out
 
@@ -127,7 +128,7 @@ def _empty_image(scene: SceneSpec, camera: Camera, window: Window) -> np.ndarray
     sun_cam = scene.T_cam_target.R @ np.array(scene.sun.direction_target)
     if sun_cam[2] <= 0.0:
         return out
-    reach = 2.0 * sun.HALF_ANGLE * max(camera.fx, camera.fy) / sun_cam[2] ** 2 + 2.0
+    reach = 2.0 * SUN_HALF_ANGLE * max(camera.fx, camera.fy) / sun_cam[2] ** 2 + 2.0
     centre = camera.project(sun_cam)
     low = np.maximum(np.floor(centre - reach), (window.x, window.y))
     high = np.minimum(np.ceil(centre + reach), (window.x + window.width, window.y + window.height))

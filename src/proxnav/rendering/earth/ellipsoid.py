@@ -8,11 +8,11 @@ import math
 
 import numpy as np
 
+from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_POLAR_RADIUS
 from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
 
-A_M = 6_378_137.0  # m, WGS-84 equatorial radius
-B_M = 6_356_752.314245  # m, WGS-84 polar radius
-STRETCH = A_M / B_M
+A_M = EARTH_EQUATORIAL_RADIUS
+STRETCH = A_M / EARTH_POLAR_RADIUS
 
 
 @fast_pasted_kernel

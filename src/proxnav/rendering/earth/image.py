@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from proxnav.geometry import Camera
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.kernel import fast_kernel
 from proxnav.rendering.earth import moon, sun
 from proxnav.rendering.earth import state as s
@@ -200,7 +201,7 @@ def _ray(rays, i, j, fy, fx, R):
 def _holds_disc(eye, rays, i, j, R, block_rad):
     """Whether a block may hold part of the Sun or the Moon."""
     x, y, z = _ray(rays, i, j, 0.5, 0.5, R)
-    half = max(sun.HALF_ANGLE, eye.moon_half_angle)
+    half = max(SUN_HALF_ANGLE, eye.moon_half_angle)
     cos_reach = math.cos(min(3.0, half + 1.5 * block_rad))
     to_sun = x * eye.sun[0] + y * eye.sun[1] + z * eye.sun[2]
     to_moon = x * eye.moon[0] + y * eye.moon[1] + z * eye.moon[2]

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from proxnav.geometry import quaternion
+from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS
 from proxnav.geometry.compiled.kernel import fast_kernel
 from proxnav.records import SceneSpec
 
@@ -33,7 +34,7 @@ def position_eci_m(epoch_utc: str, t: float) -> np.ndarray:
     lat += -0.28 * sin(318.3, 6003.15) - 0.17 * sin(217.6, -407332.21)
     parallax = 0.9508 + 0.0518 * cos(135.0, 477198.87) + 0.0095 * cos(259.3, -413335.36)
     parallax += 0.0078 * cos(235.7, 890534.22) + 0.0028 * cos(269.9, 954397.74)
-    r = 6_378_137.0 / math.sin(math.radians(parallax))
+    r = EARTH_EQUATORIAL_RADIUS / math.sin(math.radians(parallax))
     lon_rad, lat_rad, tilt = math.radians(lon), math.radians(lat), math.radians(23.439)
     x, y, z = math.cos(lat_rad) * math.cos(lon_rad), math.cos(lat_rad) * math.sin(lon_rad), math.sin(lat_rad)
     return r * np.array([x, math.cos(tilt) * y - math.sin(tilt) * z, math.sin(tilt) * y + math.cos(tilt) * z])

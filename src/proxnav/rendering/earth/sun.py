@@ -2,9 +2,8 @@
 
 import math
 
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.kernel import fast_kernel
-
-HALF_ANGLE = 4.65e-3  # rad, from 1 au
 
 # Quadratic limb darkening in the three bands (about 650, 550, 450 nm), after C. W. Allen, Astrophysical Quantities.
 _U = ((0.47, 0.20), (0.55, 0.23), (0.66, 0.20))
@@ -13,7 +12,7 @@ _U = ((0.47, 0.20), (0.55, 0.23), (0.66, 0.20))
 @fast_kernel
 def disc(nu, band):
     """Radiance per unit irradiance [1/sr] at angle arccos(nu) from the centre; integrates to one over the disc."""
-    sin2 = math.sin(HALF_ANGLE) ** 2
+    sin2 = math.sin(SUN_HALF_ANGLE) ** 2
     s2 = 1.0 - nu * nu
     if nu <= 0.0 or s2 >= sin2:
         return 0.0

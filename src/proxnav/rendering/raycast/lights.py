@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import SceneSpec
-from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.rendering.earth import environment_map
 from proxnav.rendering.raycast.config import RaycastConfig
 from proxnav.rendering.raycast.environment import Environment, build_environment

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Bool
 
 from proxnav.geometry import Camera
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import Frame, SceneSpec, Window
-from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.rendering.earth import background_image
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast.config import RaycastConfig

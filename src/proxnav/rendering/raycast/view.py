@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.lens import FX, FY, lens_numbers
-from proxnav.records.scene import SUN_HALF_ANGLE
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast import shading
 from proxnav.rendering.raycast.bsdf import lobe_albedo_table

@@ -15,6 +15,7 @@ from proxnav.geometry import Camera, Pose
 from proxnav.geometry.epochs import parse_iso
 from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.images.tones import as_8_bit
+from proxnav.storage.files import replacing
 from proxnav.viewing.replay.replay import Replay, Step
 from proxnav.viewing.replay.rerun_recording import JPEG_QUALITY, ellipses
 from proxnav.viewing.replay.ros2_messages import LAYOUTS, LINE_LOOP
@@ -36,21 +37,15 @@ START_WITHOUT_EPOCH_NS = 1_000_000_000
 def save_mcap(replay: Replay, path: Path) -> None:
     """Writes the file; whole or not at all."""
     Writer = _writer()
-    part = path.with_name(f".{path.name}.part")
-    path.parent.mkdir(parents=True, exist_ok=True)
     start = start_ns(replay)
-    try:
-        with part.open("wb") as file:
-            writer = Writer(file)
-            schemas = {name: writer.register_msgdef(name, LAYOUTS[name]) for name in LAYOUTS}
-            for number, step in enumerate(replay.steps):
-                stamp = start + round(step.t * 1e9)
-                for topic, message in messages(replay, step, stamp).items():
-                    writer.write_message(topic, schemas[_TYPES[topic]], message, stamp, stamp, number)
-            writer.finish()
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    with replacing(path) as part, part.open("wb") as file:
+        writer = Writer(file)
+        schemas = {name: writer.register_msgdef(name, LAYOUTS[name]) for name in LAYOUTS}
+        for number, step in enumerate(replay.steps):
+            stamp = start + round(step.t * 1e9)
+            for topic, message in messages(replay, step, stamp).items():
+                writer.write_message(topic, schemas[_TYPES[topic]], message, stamp, stamp, number)
+        writer.finish()
 
 
 def start_ns(replay: Replay) -> int:

@@ -16,6 +16,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
 from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.images.tones import as_8_bit
+from proxnav.storage.files import replacing
 from proxnav.viewing.replay.replay import Placement, Replay, Step
 
 TIMELINE = "t"
@@ -27,17 +28,12 @@ _ERROR_COLOURS = ((235, 70, 70), (70, 200, 70), (80, 130, 255))
 def save_rerun(replay: Replay, path: Path) -> None:
     """Writes the recording, with its layout, to an .rrd file; whole or not at all."""
     rr = _rerun()
-    part = path.with_name(f".{path.name}.part")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    try:
+    with replacing(path) as part:
         with rr.RecordingStream("proxnav", recording_id=replay.title) as recording:
             recording.save(part, default_blueprint=_layout(replay))
             log_replay(replay, recording)
         recording.flush()
         recording.disconnect()
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def open_rerun(replay: Replay) -> None:

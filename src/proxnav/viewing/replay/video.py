@@ -11,6 +11,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.images.codecs import read_image
 from proxnav.records import Keypoints
+from proxnav.storage.files import replacing
 from proxnav.targets import Target
 from proxnav.viewing.overlay import caption, overlay
 from proxnav.viewing.replay.replay import Replay, Step
@@ -24,20 +25,15 @@ def save_video(replay: Replay, path: Path, frames_per_s: float = 10.0, side: int
         )
     av = _av()
     width, height = _even_size(replay, side)
-    part = path.with_name(f".{path.name}.part")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        with av.open(str(part), mode="w", format="mp4", options={"movflags": "faststart"}) as container:
-            stream = container.add_stream("libx264", rate=Fraction(round(frames_per_s * 1000), 1000))
-            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
-            stream.options = {"crf": "23", "preset": "veryfast"}
-            for step in replay.steps:
-                picture = cv2.resize(draw_step(replay, step), (width, height), interpolation=cv2.INTER_AREA)
-                container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-            container.mux(stream.encode())
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    settings = {"mode": "w", "format": "mp4", "options": {"movflags": "faststart"}}
+    with replacing(path) as part, av.open(str(part), **settings) as container:
+        stream = container.add_stream("libx264", rate=Fraction(round(frames_per_s * 1000), 1000))
+        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        stream.options = {"crf": "23", "preset": "veryfast"}
+        for step in replay.steps:
+            picture = cv2.resize(draw_step(replay, step), (width, height), interpolation=cv2.INTER_AREA)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(stream.encode())
 
 
 def draw_step(replay: Replay, step: Step) -> np.ndarray:
