@@ -7,12 +7,12 @@ import numpy as np
 
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
-from proxnav.records import Frame
+from proxnav.records import RenderedFrame
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.targets.loading import load_target
 
 
-def main(out: Path = Path("out/examples"), size: int = 512, seed: int = 0) -> Frame:
+def main(out: Path = Path("out/examples"), size: int = 512, seed: int = 0) -> RenderedFrame:
     """Draws a scene at random, renders it, and shows the light tone-mapped for the eye."""
     (scene,) = draw_scenes(load_mission("observation-10-100m"), frames=1, seed=seed, size=size)
     target = load_target(scene.target)

@@ -20,7 +20,7 @@ from earth_gallery import scene as over_earth
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import sun_visible_fraction
-from proxnav.records import EarthSpec, Frame, SceneSpec
+from proxnav.records import EarthSpec, RenderedFrame, SceneSpec
 from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.rendering.cycles import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
@@ -115,7 +115,7 @@ def pair(cast: RaycastRenderer) -> np.ndarray:
     return np.hstack([label(picture, name) for picture, name in zip(pictures, names, strict=True)])
 
 
-def _ratio(a: Frame, b: Frame) -> np.ndarray:
+def _ratio(a: RenderedFrame, b: RenderedFrame) -> np.ndarray:
     ratio = np.log2((a.radiance.mean(axis=2) + 1e-3) / (b.radiance.mean(axis=2) + 1e-3))
     scaled = (np.clip(ratio, -1.0, 1.0) * 127 + 128).astype(np.uint8)
     return cv2.applyColorMap(scaled, cv2.COLORMAP_TWILIGHT_SHIFTED)

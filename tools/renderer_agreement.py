@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from proxnav.geometry import Camera
-from proxnav.records import Frame, SceneSpec, TextureSpec
+from proxnav.records import RenderedFrame, SceneSpec, TextureSpec
 from proxnav.records.scene import SUN_IRRADIANCE
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
@@ -73,7 +73,7 @@ def fine_raycast(options: argparse.Namespace) -> RaycastConfig:
     )  # fmt: skip
 
 
-def compare(a: Frame, b: Frame) -> dict[str, Any]:
+def compare(a: RenderedFrame, b: RenderedFrame) -> dict[str, Any]:
     """How much two frames of one scene differ; NaN where there is nothing to compare."""
     both, any_ = a.mask & b.mask, a.mask | b.mask
     off_m = np.abs(a.depth_m[both] - b.depth_m[both])
@@ -132,7 +132,7 @@ def _scene(index: int, options: argparse.Namespace) -> SceneSpec:
     return replace(scene, texture=TextureSpec())
 
 
-def _draw(path: Path, a: Frame, b: Frame) -> None:
+def _draw(path: Path, a: RenderedFrame, b: RenderedFrame) -> None:
     """Both pictures and their ratio, from half (blue) to double (red)."""
     pair = [np.clip(frame.radiance / WHITE, 0.0, 1.0) ** (1 / 2.2) * 255 for frame in (a, b)]
     with np.errstate(all="ignore"):

@@ -15,7 +15,7 @@ import numpy as np
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.missions import load_mission
-from proxnav.records import ExposureSpec, Frame, SceneSpec, SensorSpec
+from proxnav.records import ExposureSpec, RenderedFrame, SceneSpec, SensorSpec
 from proxnav.rendering.raycast import RaycastRenderer
 from proxnav.scenes.random_scene import random_scene
 from proxnav.sensor import choose_exposure, expose
@@ -99,7 +99,7 @@ def base_scene(index: int) -> SceneSpec:
 BEFORE_EARTH, BEFORE_SPACE = 10, 8
 
 
-def picture(frame: Frame, scene: SceneSpec, panel: Panel) -> np.ndarray:
+def picture(frame: RenderedFrame, scene: SceneSpec, panel: Panel) -> np.ndarray:
     """(h, w, 3) BGR as the panel's camera reads the frame."""
     scene = replace(scene, sensor=panel.sensor, exposure=replace(panel.exposure, exposure_s=0.0))
     exposure_s = choose_exposure(frame, scene, AutoExposure(shortest_s=1e-9, longest_s=1.0)) * 2.0**panel.stops
@@ -126,7 +126,7 @@ def with_sun(scene: SceneSpec, place: tuple[float, float] | None) -> SceneSpec:
     return replace(scene, sun=replace(scene.sun, direction_target=tuple(direction.tolist()), visible_fraction=1.0))
 
 
-def sun_picture(frame: Frame, scene: SceneSpec) -> np.ndarray:
+def sun_picture(frame: RenderedFrame, scene: SceneSpec) -> np.ndarray:
     """(h, w, 3) BGR by the colour camera of the speed class."""
     scene = replace(scene, sensor=SENSORS["speed-class-colour"])
     exposure_s = 0.18e-3

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from proxnav.geometry import Camera
-from proxnav.records import ExposureSpec, Frame, SceneSpec, SunSpec, Window
+from proxnav.records import ExposureSpec, RenderedFrame, SceneSpec, SunSpec, Window
 from proxnav.sensor import expose
 from proxnav.sensor.presets import SENSORS
 
@@ -34,17 +34,17 @@ def scene(sensor: str, sun: tuple[float, float, float], omega: float) -> SceneSp
     )
 
 
-def frame(size: int) -> Frame:
+def frame(size: int) -> RenderedFrame:
     """Grey noise with a square target over a sixteenth of it."""
     radiance = np.random.default_rng(0).random((size, size, 3), dtype=np.float32) * 20.0
     coverage = np.zeros((size, size), dtype=np.float32)
     coverage[size // 4 : size // 2, size // 4 : size // 2] = 1.0
     depth = np.where(coverage > 0, 10.0, np.inf).astype(np.float32)
     window = Window((1024 - size) // 2, (1024 - size) // 2, size, size)
-    return Frame(window, radiance, depth, np.where(coverage > 0, 0, -1).astype(np.int16), coverage)
+    return RenderedFrame(window, radiance, depth, np.where(coverage > 0, 0, -1).astype(np.int16), coverage)
 
 
-def cpu_ms(rendered: Frame, what: SceneSpec) -> float:
+def cpu_ms(rendered: RenderedFrame, what: SceneSpec) -> float:
     """Least CPU time of one exposure [ms]."""
     expose(rendered, what)
     times = []

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from proxnav.datasets.set.labelling import label_frame
-from proxnav.records import Frame, FrameLabel, SceneSpec
+from proxnav.records import FrameLabel, RenderedFrame, SceneSpec
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
@@ -62,7 +62,7 @@ class FrameJob:
         return make
 
 
-def _renderer(target: Target, config: FrameConfig) -> Callable[[SceneSpec], Frame]:
+def _renderer(target: Target, config: FrameConfig) -> Callable[[SceneSpec], RenderedFrame]:
     if config.renderer == "raycast":
         return RaycastRenderer(target, RaycastConfig()).render
     return CyclesRenderer(target, CyclesConfig(samples=config.samples, threads=config.threads)).render

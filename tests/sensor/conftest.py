@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 
 from proxnav.geometry import Camera
-from proxnav.records import ExposureSpec, Frame, SceneSpec, SensorSpec, SunSpec, Window
+from proxnav.records import ExposureSpec, RenderedFrame, SceneSpec, SensorSpec, SunSpec, Window
 
 CAMERA = Camera(width=256, height=192, fx=300.0, fy=300.0, cx=128.0, cy=96.0)
 
 
 @pytest.fixture
-def make_frame() -> Callable[..., Frame]:
+def make_frame() -> Callable[..., RenderedFrame]:
     """Frame of a radiance image (h, w) or (h, w, 3), optionally with coverage and depth, at a window's corner."""
 
-    def make(radiance: np.ndarray, coverage: np.ndarray | None = None, depth_m: float = 10.0, corner=(0, 0)) -> Frame:
+    def make(
+        radiance: np.ndarray, coverage: np.ndarray | None = None, depth_m: float = 10.0, corner=(0, 0)
+    ) -> RenderedFrame:
         radiance = np.asarray(radiance, dtype=np.float32)
         if radiance.ndim == 2:
             radiance = np.repeat(radiance[..., None] / 3.0, 3, axis=2)
@@ -24,7 +26,7 @@ def make_frame() -> Callable[..., Frame]:
         seen = cover >= 0.5
         depth = np.where(seen, depth_m, np.inf).astype(np.float32)
         window = Window(corner[0], corner[1], width, height)
-        return Frame(window, radiance, depth, np.where(seen, 0, -1).astype(np.int16), cover.astype(np.float32))
+        return RenderedFrame(window, radiance, depth, np.where(seen, 0, -1).astype(np.int16), cover.astype(np.float32))
 
     return make
 

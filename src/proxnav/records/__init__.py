@@ -1,7 +1,7 @@
 """The nouns that travel between the rooms; every stage takes and gives these and nothing else."""
 
 from proxnav.records.estimates import Keypoints, PoseResult
-from proxnav.records.frame import Frame, Window
+from proxnav.records.frame import RenderedFrame, Window
 from proxnav.records.labels import HIDDEN, NOT_IN_IMAGE, VISIBLE, FrameLabel
 from proxnav.records.navigation import (
     NAV_ERRORS,
@@ -31,7 +31,6 @@ __all__ = [
     "EarthSpec",
     "EphemerisData",
     "ExposureSpec",
-    "Frame",
     "FrameLabel",
     "GnssData",
     "GyroData",
@@ -41,6 +40,7 @@ __all__ = [
     "NavStatus",
     "PoseData",
     "PoseResult",
+    "RenderedFrame",
     "SceneSpec",
     "SensorRecords",
     "SensorSpec",

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from proxnav.geometry import Pose
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.types import Box
 
 DetectionStatus = Literal["ok", "no_target", "bad_image"]
 PoseStatus = Literal["ok", "too_few_points", "no_consensus", "behind_camera", "no_target", "bad_image"]
@@ -17,14 +19,13 @@ class Keypoints:
     """Keypoints of one image in the order of the target's keypoint list; a point not found is NaN with score 0."""
 
     status: DetectionStatus
-    pixels: np.ndarray
-    """(n, 2) [px], corner origin, full image."""
-    covariances_px2: np.ndarray
-    """(n, 2, 2) [px^2]."""
-    scores: np.ndarray
-    """(n,) in [0, 1]."""
-    box_xyxy: np.ndarray
-    """(4,) box of the target [px]; NaN when there is none."""
+    pixels: Float[np.ndarray, "n_keypoints 2"]
+    """Keypoints [px], corner origin, full image."""
+    covariances_px2: Float[np.ndarray, "n_keypoints 2 2"]
+    scores: Float[np.ndarray, "n_keypoints"]
+    """Confidence of each keypoint, 0 to 1."""
+    box_xyxy: Box
+    """Box of the target [px]; NaN when there is none."""
 
     def __post_init__(self) -> None:
         n = len(self.pixels)
@@ -35,7 +36,7 @@ class Keypoints:
 
     @property
     def median_score(self) -> float:
-        """Of the keypoints that were found; 0 when there are none."""
+        """Median score of the keypoints that were found; 0 when there are none."""
         found = self.scores[self.scores > 0.0]
         return float(np.median(found)) if found.size else 0.0
 
@@ -58,10 +59,10 @@ class PoseResult:
 
     status: PoseStatus
     T_cam_target: Pose | None
-    covariance: np.ndarray | None
-    """(6, 6), translation [m] first, then rotation [rad], in the camera frame: t_true = t + dt, R_true = exp(dr) R."""
-    inliers: np.ndarray
-    """(n,) bool, which of the given points the pose rests on."""
+    covariance: Float[np.ndarray, "6 6"] | None
+    """Covariance of (dt [m], dr [rad]) in the camera frame: t_true = t + dt, R_true = exp(dr) R."""
+    inliers: Bool[np.ndarray, "n_points"]
+    """Which of the given points the pose rests on."""
     reprojection_rms_px: float = float("nan")
     """Root mean square reprojection error over the inliers [px]."""
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Float32, Int16
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,20 +22,20 @@ class Window:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class RenderedFrame:
     """One rendered window through the camera, lens distortion included; arrays are row-major, first row on top."""
 
     window: Window
-    radiance: np.ndarray
-    """(h, w, 3) float32, W/(m^2 sr) in the bands 600-700, 500-600 and 400-500 nm; linear, never tone-mapped."""
-    depth_m: np.ndarray
-    """(h, w) float32, z in the camera frame at the pixel's centre; inf where the centre sees no target."""
-    part: np.ndarray
-    """(h, w) int16, index of the target's part at the pixel's centre; -1 where there is none."""
-    coverage: np.ndarray
-    """(h, w) float32 in [0, 1], share of the pixel that the target covers."""
+    radiance: Float32[np.ndarray, "h w band=3"]
+    """Linear radiance [W/(m^2 sr)] in the bands 600-700, 500-600 and 400-500 nm, never tone-mapped."""
+    depth_m: Float32[np.ndarray, "h w"]
+    """Depth z in the camera frame at the pixel's centre; inf where the centre sees no target."""
+    part: Int16[np.ndarray, "h w"]
+    """Index of the target's part at the pixel's centre; -1 where there is none."""
+    coverage: Float32[np.ndarray, "h w"]
+    """Share of the pixel that the target covers, 0 to 1."""
 
     @property
-    def mask(self) -> np.ndarray:
-        """(h, w) bool, target at the pixel's centre."""
+    def mask(self) -> Bool[np.ndarray, "h w"]:
+        """Whether the target is at the pixel's centre."""
         return self.part >= 0

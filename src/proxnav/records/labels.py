@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from proxnav.geometry import Pose
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.types import Box
 
 NOT_IN_IMAGE, HIDDEN, VISIBLE = 0, 1, 2
 """COCO's visibility codes; hidden points are labelled where they project."""
@@ -17,12 +19,12 @@ class FrameLabel:
 
     filename: str
     T_cam_target: Pose
-    keypoints_px: np.ndarray
-    """(n, 2) projected through the camera with its distortion, corner origin; NaN behind the camera."""
-    visibility: np.ndarray
-    """(n,) 0 outside the image, 1 hidden by the target itself, 2 visible."""
-    box_xyxy: np.ndarray
-    """(4,) box of the mask [px], the edges of its outermost pixels; NaN when nothing is seen."""
+    keypoints_px: Float[np.ndarray, "n_keypoints 2"]
+    """Keypoints [px] projected through the camera with its distortion, corner origin; NaN behind the camera."""
+    visibility: Int[np.ndarray, "n_keypoints"]
+    """0 outside the image, 1 hidden by the target itself, 2 visible."""
+    box_xyxy: Box
+    """Box of the mask [px], the edges of its outermost pixels; NaN when nothing is seen."""
 
     def __post_init__(self) -> None:
         n = len(self.keypoints_px)

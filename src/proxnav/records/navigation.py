@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry.arrays import frozen
 
@@ -36,9 +37,9 @@ def _freeze(record: object, n: int, shapes: dict[str, tuple[int | None, ...]]) -
 class EphemerisData:
     """Where the target is, from its operator or its own receiver: defines RIC; errors of 100 m are harmless."""
 
-    t: np.ndarray
-    r_eci_m: np.ndarray
-    v_eci_mps: np.ndarray
+    t: Float[np.ndarray, "n"]
+    r_eci_m: Float[np.ndarray, "n 3"]
+    v_eci_mps: Float[np.ndarray, "n 3"]
 
     def __post_init__(self) -> None:
         _freeze(self, len(self.t), {"t": (), "r_eci_m": (3,), "v_eci_mps": (3,)})
@@ -48,8 +49,8 @@ class EphemerisData:
 class GyroData:
     """Mean inertial rate over the step that ends at `t`, camera axes [rad/s]."""
 
-    t: np.ndarray
-    rate: np.ndarray
+    t: Float[np.ndarray, "n"]
+    rate: Float[np.ndarray, "n 3"]
 
     def __post_init__(self) -> None:
         _freeze(self, len(self.t), {"t": (), "rate": (3,)})
@@ -59,10 +60,10 @@ class GyroData:
 class AccelerometerData:
     """Mean specific force over the step that ends at `t`, camera axes [m/s^2]."""
 
-    t: np.ndarray
-    specific_force: np.ndarray
-    thrust: np.ndarray
-    """(n,) 1 where a thruster was open during the step, 0 where none was, -1 where nobody knows."""
+    t: Float[np.ndarray, "n"]
+    specific_force: Float[np.ndarray, "n 3"]
+    thrust: Float[np.ndarray, "n"]
+    """1 where a thruster was open during the step, 0 where none was, -1 where nobody knows."""
 
     def __post_init__(self) -> None:
         _freeze(self, len(self.t), {"t": (), "specific_force": (3,), "thrust": ()})
@@ -72,12 +73,12 @@ class AccelerometerData:
 class GnssData:
     """Chaser's antenna relative to the target's antenna, ECI axes [m, m/s], with standard deviations per axis."""
 
-    t: np.ndarray
-    received: np.ndarray
-    position_m: np.ndarray
-    velocity_mps: np.ndarray
-    sigma_position_m: np.ndarray
-    sigma_velocity_mps: np.ndarray
+    t: Float[np.ndarray, "n"]
+    received: Float[np.ndarray, "n"]
+    position_m: Float[np.ndarray, "n 3"]
+    velocity_mps: Float[np.ndarray, "n 3"]
+    sigma_position_m: Float[np.ndarray, "n"]
+    sigma_velocity_mps: Float[np.ndarray, "n"]
 
     def __post_init__(self) -> None:
         shapes = {"t": (), "received": (), "position_m": (3,), "velocity_mps": (3,)}
@@ -88,10 +89,10 @@ class GnssData:
 class StarTrackerData:
     """Attitude of the camera, with standard deviations about the camera's axes [rad]."""
 
-    t: np.ndarray
-    received: np.ndarray
-    q_eci_cam: np.ndarray
-    sigma_rad: np.ndarray
+    t: Float[np.ndarray, "n"]
+    received: Float[np.ndarray, "n"]
+    q_eci_cam: Float[np.ndarray, "n wxyz=4"]
+    sigma_rad: Float[np.ndarray, "n 3"]
 
     def __post_init__(self) -> None:
         _freeze(self, len(self.t), {"t": (), "received": (), "q_eci_cam": (4,), "sigma_rad": (3,)})
@@ -101,13 +102,12 @@ class StarTrackerData:
 class KeypointData:
     """Keypoints of each frame in the order of the target's list; a point not found is NaN."""
 
-    t: np.ndarray
-    """(n,) middle of the exposure."""
-    received: np.ndarray
-    pixels: np.ndarray
-    """(n, k, 2) [px], corner origin."""
-    covariances_px2: np.ndarray
-    """(n, k, 2, 2)."""
+    t: Float[np.ndarray, "n"]
+    """Middle of the exposure."""
+    received: Float[np.ndarray, "n"]
+    pixels: Float[np.ndarray, "n n_keypoints 2"]
+    """Keypoints [px], corner origin."""
+    covariances_px2: Float[np.ndarray, "n n_keypoints 2 2"]
 
     def __post_init__(self) -> None:
         k = self.pixels.shape[1] if self.pixels.ndim > 1 else 0
@@ -118,12 +118,11 @@ class KeypointData:
 class PoseData:
     """T_cam_target of each frame with the covariance of (dt, dr) in camera axes, as PoseResult has it."""
 
-    t: np.ndarray
-    received: np.ndarray
-    q_cam_target: np.ndarray
-    t_cam_target_m: np.ndarray
-    covariance: np.ndarray
-    """(n, 6, 6)."""
+    t: Float[np.ndarray, "n"]
+    received: Float[np.ndarray, "n"]
+    q_cam_target: Float[np.ndarray, "n wxyz=4"]
+    t_cam_target_m: Float[np.ndarray, "n 3"]
+    covariance: Float[np.ndarray, "n 6 6"]
 
     def __post_init__(self) -> None:
         shapes = {"t": (), "received": (), "q_cam_target": (4,), "t_cam_target_m": (3,), "covariance": (6, 6)}
@@ -150,24 +149,24 @@ class NavState:
 
     t: float
     status: NavStatus
-    r_ric_m: np.ndarray
-    """(3,) camera relative to the target's origin in the target's RIC frame."""
-    v_ric_mps: np.ndarray
-    """(3,) its rate in the rotating RIC frame."""
-    q_cam_target: np.ndarray
-    """(4,) attitude of the target in the camera frame."""
-    t_cam_target_m: np.ndarray
-    """(3,) the target's origin in the camera frame."""
-    rate_target: np.ndarray
-    """(3,) inertial rate of the target, target axes [rad/s]."""
-    gyro_bias: np.ndarray
-    """(3,) [rad/s], camera axes."""
-    gnss_bias_m: np.ndarray
-    """(3,) ECI axes."""
-    covariance: np.ndarray
-    """(12, 12) of the errors in the order of NAV_ERRORS; attitude: q_true = q * exp(theta / 2), target axes."""
-    pose_covariance: np.ndarray
-    """(6, 6) of (dt, dr) of T_cam_target in camera axes, as PoseResult has it."""
+    r_ric_m: Float[np.ndarray, "3"]
+    """Position of the camera relative to the target's origin, the target's RIC frame."""
+    v_ric_mps: Float[np.ndarray, "3"]
+    """Rate of that position in the rotating RIC frame."""
+    q_cam_target: Float[np.ndarray, "wxyz=4"]
+    """Attitude of the target in the camera frame."""
+    t_cam_target_m: Float[np.ndarray, "3"]
+    """The target's origin in the camera frame."""
+    rate_target: Float[np.ndarray, "3"]
+    """Inertial rate of the target, target axes [rad/s]."""
+    gyro_bias: Float[np.ndarray, "3"]
+    """Bias of the gyro, camera axes [rad/s]."""
+    gnss_bias_m: Float[np.ndarray, "3"]
+    """Bias of the relative GNSS position, ECI axes."""
+    covariance: Float[np.ndarray, "12 12"]
+    """Covariance of the errors in the order of NAV_ERRORS; attitude: q_true = q * exp(theta / 2), target axes."""
+    pose_covariance: Float[np.ndarray, "6 6"]
+    """Covariance of (dt, dr) of T_cam_target in camera axes, as PoseResult has it."""
 
     def __post_init__(self) -> None:
         for f in fields(self)[2:]:

@@ -11,7 +11,7 @@ class SensorSpec:
     """
 
     name: str = "ideal"
-    """Of the preset or the part; for people."""
+    """Name of the preset or the part; for people."""
     serial: int = 0
     """Seeds the fixed-pattern maps: the same serial is the same camera."""
     pixel_pitch_m: float = 5.86e-6
@@ -19,7 +19,7 @@ class SensorSpec:
     f_number: float = 4.0
     """Focal length over entrance pupil; the focal length itself is the camera's fx times the pitch."""
     transmission: float = 0.85
-    """Of the optics."""
+    """Transmission of the optics."""
     quantum_efficiency: tuple[float, float, float] = (0.65, 0.65, 0.65)
     """Electrons per photon in the bands 600-700, 500-600 and 400-500 nm, colour filters included."""
     colour: bool = False
@@ -47,7 +47,7 @@ class SensorSpec:
     column_noise_dn: float = 0.0
     """Standard deviation of the columns' fixed offsets [DN]."""
     bits: int = 8
-    """Of the converter; up to 8 gives uint8 images, more gives uint16 with values below 2^bits."""
+    """Bits of the converter; up to 8 gives uint8 images, more gives uint16 with values below 2^bits."""
     gain_e_per_dn: float = 0.0
     """1/K; 0 means that the full well fills the range of the converter."""
     black_level_dn: float = 0.0
@@ -83,11 +83,11 @@ class ExposureSpec:
     exposure_s: float = 0.0
     """0 asks the sensor to choose by its auto exposure."""
     temperature_c: float = 20.0
-    """Of the detector [C]."""
+    """Temperature of the detector [C]."""
     v_cam_target_mps: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Velocity of the target's origin as the camera sees it: the time derivative of t_cam_target, camera rate included.
     What is far away moves in the image by the camera's rate alone."""
     omega_cam_radps: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Inertial rate of the camera, in its own axes."""
     seed: int = 0
-    """Of the temporal noise: another seed is another exposure by the same camera."""
+    """Seed of the temporal noise: another one is another exposure by the same camera."""

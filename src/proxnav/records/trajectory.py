@@ -17,24 +17,24 @@ class Trajectory:
 
     epoch_utc: str
     """ISO 8601 UTC instant of t = 0, for example 2024-11-01T00:00:00Z."""
-    t: np.ndarray
-    """(n,) seconds since the epoch, strictly increasing."""
-    r_eci_target_m: np.ndarray
-    """(n, 3) position of the target frame's origin."""
-    v_eci_target_mps: np.ndarray
-    """(n, 3) inertial velocity of the target."""
-    q_eci_target: np.ndarray
-    """(n, 4) attitude of the target, wxyz."""
-    r_eci_chaser_m: np.ndarray
-    """(n, 3) position of the camera's projection centre."""
-    v_eci_chaser_mps: np.ndarray
-    """(n, 3) inertial velocity of the chaser."""
-    q_eci_cam: np.ndarray
-    """(n, 4) attitude of the camera (x right, y down, z forward), wxyz."""
-    sun_eci: np.ndarray
-    """(n, 3) unit vectors from Earth to the Sun."""
-    sun_visible: np.ndarray
-    """(n,) fraction of the Sun's disc that the target sees: 1 in sunlight, 0 in umbra."""
+    t: Float[np.ndarray, "n"]
+    """Seconds since the epoch, strictly increasing."""
+    r_eci_target_m: Float[np.ndarray, "n 3"]
+    """Position of the target frame's origin."""
+    v_eci_target_mps: Float[np.ndarray, "n 3"]
+    """Inertial velocity of the target."""
+    q_eci_target: Float[np.ndarray, "n wxyz=4"]
+    """Attitude of the target, wxyz."""
+    r_eci_chaser_m: Float[np.ndarray, "n 3"]
+    """Position of the camera's projection centre."""
+    v_eci_chaser_mps: Float[np.ndarray, "n 3"]
+    """Inertial velocity of the chaser."""
+    q_eci_cam: Float[np.ndarray, "n wxyz=4"]
+    """Attitude of the camera (x right, y down, z forward), wxyz."""
+    sun_eci: Float[np.ndarray, "n 3"]
+    """Unit vectors from Earth to the Sun."""
+    sun_visible: Float[np.ndarray, "n"]
+    """Fraction of the Sun's disc that the target sees: 1 in sunlight, 0 in umbra."""
     source: str = "generated"
     """Where it came from: a generator's name or the file names."""
 
@@ -52,8 +52,8 @@ class Trajectory:
         return len(self.t)
 
     @property
-    def range_m(self) -> np.ndarray:
-        """(n,) distance from camera to target [m]."""
+    def range_m(self) -> Float[np.ndarray, "n"]:
+        """Distance from camera to target [m]."""
         return np.linalg.norm(self.r_eci_target_m - self.r_eci_chaser_m, axis=1)
 
     @property

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.records import Frame, SceneSpec
+from proxnav.records import RenderedFrame, SceneSpec
 from proxnav.sensor.photometry import electron_rate
 
 
@@ -41,7 +41,7 @@ class ControlState:
 
 
 def choose_exposure(
-    frame: Frame,
+    frame: RenderedFrame,
     scene: SceneSpec,
     control: AutoExposure | None = None,
     box_xyxy: Float[np.ndarray, "4"] | None = None,
@@ -87,7 +87,7 @@ def _limited(exposure_s: float, control: AutoExposure) -> float:
     return min(max(exposure_s, control.shortest_s), control.longest_s)
 
 
-def _metered(frame: Frame, box_xyxy: np.ndarray | None) -> Float[np.ndarray, "rows columns band=3"]:
+def _metered(frame: RenderedFrame, box_xyxy: np.ndarray | None) -> Float[np.ndarray, "rows columns band=3"]:
     """Radiance of the metered pixels as (1, n, 3) or (h, w, 3)."""
     if box_xyxy is not None and np.isfinite(box_xyxy).all():
         x0, y0 = np.floor(np.asarray(box_xyxy)[:2]).astype(int) - (frame.window.x, frame.window.y)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from proxnav.geometry import Camera
-from proxnav.records import Frame, SceneSpec
+from proxnav.records import RenderedFrame, SceneSpec
 from proxnav.sensor import blur, colour, flare, glare
 from proxnav.sensor.auto_exposure import choose_exposure
 from proxnav.sensor.detector import gain_e_per_dn, read_out
@@ -26,7 +26,9 @@ class Exposure:
     """The largest digital number, 2^bits - 1."""
 
 
-def expose(frame: Frame, scene: SceneSpec, exposure_s: float | None = None, camera: Camera | None = None) -> Exposure:
+def expose(
+    frame: RenderedFrame, scene: SceneSpec, exposure_s: float | None = None, camera: Camera | None = None
+) -> Exposure:
     """Read `frame` with the scene's sensor. Exposure: the argument, else the scene's, else chosen by the sensor.
 
     A frame that is a window of the image gives the same pixels as the window of the full frame's exposure, but for what
@@ -46,7 +48,7 @@ def expose(frame: Frame, scene: SceneSpec, exposure_s: float | None = None, came
     return Exposure(image, float(exposure_s), _saturated(image, scene, white_dn), white_dn)
 
 
-def form_image(frame: Frame, scene: SceneSpec, exposure_s: float, camera: Camera) -> np.ndarray:
+def form_image(frame: RenderedFrame, scene: SceneSpec, exposure_s: float, camera: Camera) -> np.ndarray:
     """Expected photo-electrons per second (h, w) or, for a colour sensor, (h, w, 3): the optics, in their order."""
     sensor = scene.sensor
     pixel_scale = camera.fx / scene.camera.fx

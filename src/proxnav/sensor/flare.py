@@ -14,7 +14,7 @@ from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.kernel import kernel
-from proxnav.records import Frame, SceneSpec, SensorSpec, Window
+from proxnav.records import RenderedFrame, SceneSpec, SensorSpec, Window
 from proxnav.sensor import noise
 from proxnav.sensor.photometry import BAND_CENTRES_M, electrons_per_radiance, focal_length_m
 
@@ -48,7 +48,7 @@ class FlarePart:
     """(3,) factor of each band."""
 
 
-def sun_in_lens(frame: Frame, scene: SceneSpec, camera: Camera) -> SunInLens | None:
+def sun_in_lens(frame: RenderedFrame, scene: SceneSpec, camera: Camera) -> SunInLens | None:
     """The Sun before this camera, or None where no sunlight enters the lens."""
     direction = unit(scene.T_cam_target.R @ np.array(scene.sun.direction_target))
     angle = math.acos(min(max(direction[2], -1.0), 1.0))
@@ -64,7 +64,7 @@ def sun_in_lens(frame: Frame, scene: SceneSpec, camera: Camera) -> SunInLens | N
     return SunInLens(direction, centre, np.array(scene.sun.irradiance) * share * direction[2])
 
 
-def add_flare(rate: np.ndarray, frame: Frame, scene: SceneSpec, camera: Camera) -> np.ndarray:
+def add_flare(rate: np.ndarray, frame: RenderedFrame, scene: SceneSpec, camera: Camera) -> np.ndarray:
     """Electron rate (h, w[, 3]) with the Sun's light in the lens added; the argument itself when there is none."""
     sun = sun_in_lens(frame, scene, camera)
     if sun is None:
@@ -78,7 +78,7 @@ def add_flare(rate: np.ndarray, frame: Frame, scene: SceneSpec, camera: Camera) 
     return out
 
 
-def _parts(frame: Frame, scene: SceneSpec, camera: Camera, sun: SunInLens) -> list[FlarePart]:
+def _parts(frame: RenderedFrame, scene: SceneSpec, camera: Camera, sun: SunInLens) -> list[FlarePart]:
     sensor, window = scene.sensor, frame.window
     everywhere = (slice(0, window.height), slice(0, window.width))
     scattered = scatter(window, camera, sun) * np.float32(sensor.sun_scatter)
@@ -99,7 +99,7 @@ def _hood(angle: float, camera: Camera) -> float:
     return (1.0 - x) ** 2 if x < 1.0 else 0.0
 
 
-def _hidden_share(frame: Frame, centre_px: np.ndarray, radius_px: float) -> float:
+def _hidden_share(frame: RenderedFrame, centre_px: np.ndarray, radius_px: float) -> float:
     """Share of the solar disc that the target covers, as far as this window shows it."""
     rows, columns, inside = _disc_cells(frame.window, centre_px, radius_px)
     return float(frame.coverage[rows, columns][inside].mean()) if inside.any() else 0.0
@@ -117,7 +117,7 @@ def _disc_cells(window: Window, centre_px: np.ndarray, radius_px: float) -> tupl
 
 
 def _brighten_disc(
-    rate: np.ndarray, frame: Frame, camera: Camera, sun: SunInLens, weights: Float[np.ndarray, "band=3"]
+    rate: np.ndarray, frame: RenderedFrame, camera: Camera, sun: SunInLens, weights: Float[np.ndarray, "band=3"]
 ) -> None:
     """Raise `rate` in place to the limb-darkened disc; a renderer may have drawn it already, the brighter is kept."""
     radius = SUN_HALF_ANGLE * camera.fx

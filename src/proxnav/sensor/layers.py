@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.geometry import Camera
-from proxnav.records import ExposureSpec, Frame, SensorSpec
+from proxnav.records import ExposureSpec, RenderedFrame, SensorSpec
 from proxnav.sensor import blur, motion
 from proxnav.sensor.photometry import focal_length_m
 
@@ -21,7 +21,12 @@ class LayerKernels:
 
 
 def layer_kernels(
-    frame: Frame, sensor: SensorSpec, exposure: ExposureSpec, exposure_s: float, camera: Camera, pixel_scale: float
+    frame: RenderedFrame,
+    sensor: SensorSpec,
+    exposure: ExposureSpec,
+    exposure_s: float,
+    camera: Camera,
+    pixel_scale: float,
 ) -> LayerKernels:
     """Kernels at the centre of the target (mean position of its pixels) and, for the background, of the window.
 
@@ -85,7 +90,7 @@ def _like(plane: np.ndarray, image: np.ndarray) -> np.ndarray:
     return plane if image.ndim == 2 else plane[..., None]
 
 
-def _target_centre(frame: Frame, camera: Camera) -> Float[np.ndarray, "3"] | None:
+def _target_centre(frame: RenderedFrame, camera: Camera) -> Float[np.ndarray, "3"] | None:
     """Mean position [m] of the seen surface in the camera frame; None without target."""
     seen = np.isfinite(frame.depth_m)
     if not seen.any():

@@ -9,7 +9,7 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
-from proxnav.records import Frame, SceneSpec, TextureSpec, Window
+from proxnav.records import RenderedFrame, SceneSpec, TextureSpec, Window
 from proxnav.rendering.cycles import lens
 from proxnav.rendering.cycles.blender import find_blender, worker_command
 from proxnav.rendering.cycles.camera import axes_towards, camera_matrix, to_blender
@@ -52,7 +52,7 @@ class CyclesRenderer:
             self._worker.stop()
         self._worker, self._painted, self._drawn = None, None, 0
 
-    def render(self, scene: SceneSpec, window: Window | None = None) -> Frame:
+    def render(self, scene: SceneSpec, window: Window | None = None) -> RenderedFrame:
         """Linear radiance and exact geometry of a scene, over the whole image or a window of it."""
         camera = scene.camera
         window = window or Window(0, 0, camera.width, camera.height)
@@ -138,10 +138,10 @@ def render_request(
     return header, {"environment": environment_map(scene, config.environment_rows)}
 
 
-def _background(scene: SceneSpec, window: Window) -> Frame:
+def _background(scene: SceneSpec, window: Window) -> RenderedFrame:
     """Earth and sky alone."""
     shape = (window.height, window.width)
-    return Frame(
+    return RenderedFrame(
         window=window,
         radiance=background_image(scene, scene.camera, window),
         depth_m=np.full(shape, np.inf, np.float32),
@@ -150,7 +150,7 @@ def _background(scene: SceneSpec, window: Window) -> Frame:
     )
 
 
-def _lay_over(frame: Frame, scene: SceneSpec, pinhole: lens.Pinhole, shot: dict[str, np.ndarray]) -> None:
+def _lay_over(frame: RenderedFrame, scene: SceneSpec, pinhole: lens.Pinhole, shot: dict[str, np.ndarray]) -> None:
     """Puts the rendered target before the background, by coverage."""
     inner, outer, camera = pinhole.window, frame.window, scene.camera
     place = Window(inner.x - outer.x, inner.y - outer.y, inner.width, inner.height).slices

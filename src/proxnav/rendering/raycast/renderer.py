@@ -1,4 +1,4 @@
-"""SceneSpec in, Frame out: one ray through every pixel, more where the picture has an edge."""
+"""SceneSpec in, RenderedFrame out: one ray through every pixel, more where the picture has an edge."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -8,7 +8,7 @@ from jaxtyping import Bool
 
 from proxnav.geometry import Camera
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
-from proxnav.records import Frame, SceneSpec, Window
+from proxnav.records import RenderedFrame, SceneSpec, Window
 from proxnav.rendering.earth import background_image
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast.config import RaycastConfig
@@ -36,14 +36,16 @@ class RaycastRenderer:
     def _model(self) -> Model:
         return build_model(self.target, self.config)
 
-    def render(self, scene: SceneSpec, window: Window | None = None, camera: Camera | None = None) -> Frame:
+    def render(self, scene: SceneSpec, window: Window | None = None, camera: Camera | None = None) -> RenderedFrame:
         """The scene through its camera, or through `camera` at the same place, over `window` (default all of it)."""
         camera = camera or scene.camera
         window = window or Window(0, 0, camera.width, camera.height)
         foreground = self._foreground(scene, camera, window)
         background = background_image(scene, camera, window, hidden=foreground.coverage == 1.0)
         radiance = foreground.radiance + (1.0 - foreground.coverage[..., None]) * background
-        return Frame(window, radiance.astype(np.float32), foreground.depth_m, foreground.part, foreground.coverage)
+        return RenderedFrame(
+            window, radiance.astype(np.float32), foreground.depth_m, foreground.part, foreground.coverage
+        )
 
     def _finest_m(self, scene: SceneSpec, camera: Camera) -> float:
         """Width [m] on the target of the narrowest ray that may be cast."""
@@ -52,7 +54,7 @@ class RaycastRenderer:
         samples = max(self.config.samples, self.config.interior_samples)
         return max(nearest, 0.0) / np.sqrt(camera.fx * camera.fy * samples)
 
-    def _foreground(self, scene: SceneSpec, camera: Camera, window: Window) -> Frame:
+    def _foreground(self, scene: SceneSpec, camera: Camera, window: Window) -> RenderedFrame:
         """The target alone, on black, radiance multiplied by coverage."""
         model = self._model
         frame = _empty(window)
@@ -66,9 +68,9 @@ class RaycastRenderer:
         return frame
 
 
-def _empty(window: Window) -> Frame:
+def _empty(window: Window) -> RenderedFrame:
     shape = window.height, window.width
-    return Frame(
+    return RenderedFrame(
         window, np.zeros((*shape, 3), np.float32), np.full(shape, np.inf, np.float32), np.full(shape, -1, np.int16),
         np.zeros(shape, np.float32),
     )  # fmt: skip
@@ -92,7 +94,7 @@ def _region(model: Model, scene: SceneSpec, view: View, window: Window, halo: in
     return Window(x0, y0, x1 - x0, y1 - y0) if x1 > x0 and y1 > y0 else None
 
 
-def _fill(frame: Frame, view: View, region: Window, halo: int, config: RaycastConfig) -> None:
+def _fill(frame: RenderedFrame, view: View, region: Window, halo: int, config: RaycastConfig) -> None:
     """Traces the region and writes what lies in the frame's window."""
     pixels = grid.grid_pixels(region.x, region.y, region.width, region.height)
     hits = probe_all(view, pixels)
@@ -136,14 +138,14 @@ def _refined(view: View, hits: Hits, region: Window, halo: int) -> Bool[np.ndarr
     return marked.ravel()
 
 
-def _write_centres(frame: Frame, view: View, pixels: np.ndarray, hits: Hits) -> None:
+def _write_centres(frame: RenderedFrame, view: View, pixels: np.ndarray, hits: Hits) -> None:
     """Writes the radiance of pixels that their centre ray describes."""
     for i in range(0, len(hits.ray), BATCH):
         batch = select(hits, np.arange(i, min(i + BATCH, len(hits.ray))))
         frame.radiance[_places(pixels[batch.ray], frame.window)] = shade(view, batch, 1)
 
 
-def _write(frame: Frame, view: View, pixels: np.ndarray, samples: int, sun_steps: int) -> None:
+def _write(frame: RenderedFrame, view: View, pixels: np.ndarray, samples: int, sun_steps: int) -> None:
     """Writes radiance and coverage of pixels as the mean over several samples."""
     step = max(1, BATCH // samples)
     for i in range(0, len(pixels), step):

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from proxnav.errors import InputError
 from proxnav.geometry.epochs import Instant, parse_iso
-from proxnav.trajectories.readers.frames import ORBITAL, Frame, frame_kind
+from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.history import AttitudeHistory, Method, OrbitHistory, Segment
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number, read_lines
 
@@ -149,12 +149,12 @@ def _check_stop(path: str | Path, block: _Block) -> None:
         fail(path, last_line, f"data end {stop - last:g} s before STOP_TIME: the file is cut off; export it again")
 
 
-def _frame(path: str | Path, blocks: list[_Block], keyword: str) -> Frame:
+def _frame(path: str | Path, blocks: list[_Block], keyword: str) -> ReferenceFrame:
     names = {_need(path, block, keyword) for block in blocks}
     kind = frame_kind(sorted(names)[0])
     if len(names) > 1 or kind is None or kind == "of_epoch" or (kind in ORBITAL and keyword == "REF_FRAME"):
         fail(path, blocks[0].line, f"{keyword} {', '.join(sorted(names))} is not supported; use EME2000, ICRF or ITRF")
-    return Frame(kind)
+    return ReferenceFrame(kind)
 
 
 def _by_object(blocks: list[_Block]) -> dict[str, list[_Block]]:

@@ -32,7 +32,7 @@ ORBITAL: tuple[FrameKind, ...] = ("ric", "lvlh")
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class ReferenceFrame:
     """Axes that positions or attitudes refer to, at Earth's centre."""
 
     kind: FrameKind
@@ -49,7 +49,7 @@ def frame_kind(name: str) -> FrameKind | None:
     return _KINDS.get("".join(c for c in name.lower() if c.isalnum()))
 
 
-def q_eci_frame(frame: Frame, epoch: Instant, t: Float[np.ndarray, "n"]) -> QuatWxyz:
+def q_eci_frame(frame: ReferenceFrame, epoch: Instant, t: Float[np.ndarray, "n"]) -> QuatWxyz:
     """Attitude of the frame's axes in ECI at `t` seconds after `epoch`, (n, 4)."""
     if frame.kind == "eci":
         return np.tile(quaternion.IDENTITY, (len(t), 1))
@@ -63,7 +63,7 @@ def q_eci_frame(frame: Frame, epoch: Instant, t: Float[np.ndarray, "n"]) -> Quat
 
 
 def state_to_eci(
-    frame: Frame, epoch: Instant, t: Float[np.ndarray, "n"], r: Vector3, v: Vector3
+    frame: ReferenceFrame, epoch: Instant, t: Float[np.ndarray, "n"], r: Vector3, v: Vector3
 ) -> tuple[Vector3, Vector3]:
     """(r, v) in ECI of states in the frame; in Earth-fixed axes `v` is relative to the turning Earth."""
     q = q_eci_frame(frame, epoch, t)

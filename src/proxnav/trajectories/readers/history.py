@@ -11,7 +11,7 @@ from proxnav.geometry import quaternion
 from proxnav.geometry.epochs import Instant
 from proxnav.geometry.pointing import continuous
 from proxnav.geometry.types import QuatWxyz, Vector3
-from proxnav.trajectories.readers.frames import ORBITAL, Frame, q_eci_frame, state_to_eci
+from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, q_eci_frame, state_to_eci
 from proxnav.trajectories.readers.polynomials import polynomials
 
 Method = Literal["lagrange", "hermite"]
@@ -39,7 +39,7 @@ class OrbitHistory:
     name: str
     source: str
     epoch: Instant
-    frame: Frame
+    frame: ReferenceFrame
     segments: tuple[Segment, ...]
     method: Method = "lagrange"
     nodes: int = 6
@@ -53,7 +53,7 @@ class AttitudeHistory:
     name: str
     source: str
     epoch: Instant
-    frame: Frame
+    frame: ReferenceFrame
     segments: tuple[Segment, ...]
     nodes: int = 2
     """Points per polynomial; 2 is the shorter great arc between neighbours."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_FLATTENING, geodetic_to_ecef
 from proxnav.geometry.types import Vector3
-from proxnav.trajectories.readers.frames import Frame
+from proxnav.trajectories.readers.frames import ReferenceFrame
 from proxnav.trajectories.readers.history import Method, OrbitHistory, Segment, split
 from proxnav.trajectories.readers.stk_file import Row, StkFile, data_rows, read_stk, reference_frame, scenario_epoch
 from proxnav.trajectories.readers.text import check_times, fail, number, numbers
@@ -31,7 +31,7 @@ def read_stk_ephemeris(path: str | Path) -> OrbitHistory:
     r, v = _states(file, block, values[:, 1:])
     pieces = split(values[:, 0], _boundaries(file))
     segments = tuple(Segment(values[p, 0], r[p], None if v is None else v[p]) for p in pieces)
-    frame = Frame("ecef") if "lla" in block else reference_frame(file, "coordinatesystem", "Fixed")
+    frame = ReferenceFrame("ecef") if "lla" in block else reference_frame(file, "coordinatesystem", "Fixed")
     method = _method(file)
     return OrbitHistory(Path(path).stem, str(path), scenario_epoch(file), frame, segments, method, _nodes(file))
 

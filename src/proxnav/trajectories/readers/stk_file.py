@@ -8,7 +8,7 @@ from pathlib import Path
 from proxnav.errors import InputError
 from proxnav.geometry.epochs import Instant
 from proxnav.trajectories.readers.dates import from_gmat_mjd, parse_date
-from proxnav.trajectories.readers.frames import ORBITAL, Frame, frame_kind
+from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.text import fail, number, read_lines
 
 _BANNER = re.compile(r"stk\.v\.\d+(\.\d+)*", re.IGNORECASE)
@@ -99,7 +99,7 @@ def scenario_epoch(file: StkFile) -> Instant:
     return _epoch(file, "scenarioepoch")
 
 
-def reference_frame(file: StkFile, keyword: str, default: str) -> Frame:
+def reference_frame(file: StkFile, keyword: str, default: str) -> ReferenceFrame:
     """The frame that a keyword names; `<keyword>epoch` freezes of-epoch frames."""
     body = file.text("centralbody", "Earth")
     if body.lower() != "earth":
@@ -112,7 +112,7 @@ def reference_frame(file: StkFile, keyword: str, default: str) -> Frame:
         fail(file.path, line, f"unknown {keyword} '{name}'; export in ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate")
     if kind == "of_epoch" and f"{keyword}epoch" not in file.keywords:
         raise InputError(f"{file.path}: {name} needs the keyword {keyword}epoch; add it or export in ICRF")
-    return Frame(kind, _epoch(file, f"{keyword}epoch") if kind == "of_epoch" else None)
+    return ReferenceFrame(kind, _epoch(file, f"{keyword}epoch") if kind == "of_epoch" else None)
 
 
 def _epoch(file: StkFile, keyword: str) -> Instant:

@@ -11,7 +11,7 @@ from proxnav.storage.tables import is_number
 from proxnav.trajectories.readers.columns import Column, understand
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.dates import from_julian_date, parse_date, parse_duration
-from proxnav.trajectories.readers.frames import ORBITAL, Frame, frame_kind
+from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.history import AttitudeHistory, History, OrbitHistory, Segment, rate_note, split
 from proxnav.trajectories.readers.table import Table
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number
@@ -52,7 +52,7 @@ def _orbit(
     v = None
     if set(speeds) <= set(mine):
         v = np.stack([_scaled(table, mine[key], config, t) for key in speeds], axis=-1)
-    frame = Frame("ric") if relative else _frame(table, config, mine)
+    frame = ReferenceFrame("ric") if relative else _frame(table, config, mine)
     segments = tuple(Segment(t[p], r[p], None if v is None else v[p]) for p in split(t, np.empty(0)))
     if v is None:
         return OrbitHistory(name, table.path, epoch, frame, segments, "lagrange", 6)
@@ -119,13 +119,13 @@ def _cells(table: Table, column: Column) -> np.ndarray:
     return np.array([number(text, table.path, line, what) for text, (line, _) in zip(texts, table.rows, strict=True)])
 
 
-def _frame(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> Frame:
+def _frame(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> ReferenceFrame:
     """From the option, else the report's title, else the headers; Basilisk writes ECI into its headers."""
     said = [config.frame or "", *table.style.split(), *(c.header.split()[0] for c in mine.values() if c.header.split())]
     for name in said:
         kind = frame_kind(name)
         if kind is not None and kind not in (*ORBITAL, "of_epoch"):
-            return Frame(kind)
+            return ReferenceFrame(kind)
     if config.frame:
         raise InputError(f"frame '{config.frame}' is unknown; use ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate")
     raise InputError(f"{table.path}: the reference frame is not in the file; give frame, for example J2000 or Fixed")
