@@ -25,7 +25,7 @@ from proxnav.storage.mirror import as_url, filesystem, refused
 
 VERSION = 1
 MAX_SHARD_BYTES = 2**31
-"""Of a shard that is read: one is held in memory while its frames are shuffled."""
+"""Largest shard that is read: one is held in memory while its frames are shuffled."""
 _PARTS = ("png", "mask.png", "json")
 _DOCUMENTS = ("camera.json", "target.json", "config.json")
 

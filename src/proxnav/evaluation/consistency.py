@@ -80,9 +80,9 @@ def consistency(frames: Sequence[PairedFrame]) -> Consistency | None:
 
 
 def efficiency_by_range(
-    frames: Sequence[PairedFrame], bounds: Mapping[str, np.ndarray], edges_m: Sequence[float]
+    frames: Sequence[PairedFrame], bounds: Mapping[str, Float[np.ndarray, "6 6"]], edges_m: Sequence[float]
 ) -> dict[tuple[float, float], Efficiency]:
-    """RMS errors over the Cramer-Rao bound per range bin; `bounds` holds the (6, 6) bound by file name."""
+    """RMS errors over the Cramer-Rao bound per range bin; `bounds` are by file name."""
     known = [frame for frame in frames if frame.T_est is not None and frame.filename in bounds]
     found = {}
     for near, far in pairwise(edges_m):
@@ -92,7 +92,7 @@ def efficiency_by_range(
     return found
 
 
-def _efficiency(frames: Sequence[PairedFrame], bounds: Mapping[str, np.ndarray]) -> Efficiency:
+def _efficiency(frames: Sequence[PairedFrame], bounds: Mapping[str, Float[np.ndarray, "6 6"]]) -> Efficiency:
     squared = np.array([frame.difference**2 for frame in frames]).reshape(-1, 2, 3).sum(axis=2)
     variances = np.array([np.diagonal(bounds[frame.filename]) for frame in frames]).reshape(-1, 2, 3).sum(axis=2)
     rms, bound = np.sqrt(squared.mean(axis=0)), np.sqrt(variances.mean(axis=0))

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from proxnav.flight.truth_files import TrueStates
 from proxnav.geometry import quaternion
@@ -17,21 +17,21 @@ from proxnav.records import NAV_STATUSES, NavState
 class NavErrors:
     """Errors at the instants that have a state; rows of NaN where there is none."""
 
-    t: np.ndarray
-    range_m: np.ndarray
-    """(n,) true distance."""
-    errors: np.ndarray
-    """(n, 12) truth minus estimate, in the order of NAV_ERRORS."""
-    sigmas: np.ndarray
-    """(n, 12) claimed standard deviations."""
-    nees: np.ndarray
-    """(n,) normalised squared error of all twelve."""
-    status: np.ndarray
-    """(n,) index into NAV_STATUSES."""
+    t: Float[np.ndarray, "n"]
+    range_m: Float[np.ndarray, "n"]
+    """True distance from camera to target."""
+    errors: Float[np.ndarray, "n 12"]
+    """Truth minus estimate, in the order of NAV_ERRORS."""
+    sigmas: Float[np.ndarray, "n 12"]
+    """Claimed standard deviations."""
+    nees: Float[np.ndarray, "n"]
+    """Normalised squared error of all twelve."""
+    status: Int[np.ndarray, "n"]
+    """Index into NAV_STATUSES."""
 
     @property
-    def inside_3_sigma(self) -> np.ndarray:
-        """(n,) share of the twelve errors within three of their claimed deviations."""
+    def inside_3_sigma(self) -> Float[np.ndarray, "n"]:
+        """Share of the twelve errors within three of their claimed deviations."""
         inside = np.abs(self.errors) <= 3.0 * self.sigmas
         return np.where(np.isnan(self.nees), np.nan, inside.mean(axis=1))
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
@@ -40,11 +41,10 @@ class FrameNote:
     """Cramer-Rao bound of E_T (root of the three variances) for the visible keypoints known to 1 px per axis."""
     bound_e_r_rad: float
     """The same of E_R."""
-    pixels: np.ndarray
-    """(n, 2) found keypoints [px], NaN where not found."""
-    scores: np.ndarray
-    covariances_px2: np.ndarray
-    """(n, 2, 2)."""
+    pixels: Float[np.ndarray, "n_keypoints 2"]
+    """Found keypoints [px], NaN where not found."""
+    scores: Float[np.ndarray, "n_keypoints"]
+    covariances_px2: Float[np.ndarray, "n_keypoints 2 2"]
 
     def __post_init__(self) -> None:
         n = len(self.pixels)
@@ -59,11 +59,11 @@ class RunFrames:
 
     frames: tuple[FrameNote, ...]
     camera: Camera
-    keypoints_m: np.ndarray
-    """(n, 3) in the target frame."""
+    keypoints_m: Points
+    """Keypoints in the target frame."""
     target: str
     epoch_utc: str
-    """Of `t`; empty where the frames are no sequence in time."""
+    """Epoch of `t`; empty where the frames are no sequence in time."""
     dataset: Path | None
     """Folder of the data set; None where it is not there any more."""
 
@@ -163,8 +163,8 @@ def _frame(entry: Mapping[str, Any], n: int) -> FrameNote:
     )  # fmt: skip
 
 
-def _table(rows: Sequence[Any], n: int) -> np.ndarray:
-    """(n, 3) numbers, null as NaN."""
+def _table(rows: Sequence[Any], n: int) -> Float[np.ndarray, "n 3"]:
+    """Numbers in rows of three, null as NaN."""
     return np.array(rows, dtype=object).astype(np.float64).reshape(n, 3)
 
 

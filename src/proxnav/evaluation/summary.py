@@ -99,7 +99,7 @@ def mean_interval(values: Float[np.ndarray, "n"], resamples: int = 1000, seed: i
     return float(low), float(high)
 
 
-def _columns(errors: Sequence[PoseErrors]) -> dict[str, np.ndarray]:
+def _columns(errors: Sequence[PoseErrors]) -> dict[str, Float[np.ndarray, "n"]]:
     e_t_m = np.array([e.e_t_m for e in errors]).reshape(-1, 3)
     return {
         "mean_e_t_x_m": e_t_m[:, 0],
@@ -112,9 +112,9 @@ def _columns(errors: Sequence[PoseErrors]) -> dict[str, np.ndarray]:
     }
 
 
-def _mean(values: np.ndarray) -> float:
+def _mean(values: Float[np.ndarray, "n"]) -> float:
     return float(values.mean()) if len(values) else float("nan")
 
 
-def _percentile(values: np.ndarray, percent: float) -> float:
+def _percentile(values: Float[np.ndarray, "n"], percent: float) -> float:
     return float(np.percentile(values, percent)) if len(values) else float("nan")

@@ -1,6 +1,7 @@
 """Arrays as values: copied, typed and read-only, so that a frozen dataclass is frozen all the way down."""
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry.types import Numbers
@@ -17,6 +18,6 @@ def frozen(values: Numbers, shape: tuple[int | None, ...], name: str, dtype: typ
     return array
 
 
-def unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (..., n) scaled to length one."""
+def unit(vectors: Float[np.ndarray, "*batch n"]) -> Float[np.ndarray, "*batch n"]:
+    """Vectors scaled to length one."""
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)

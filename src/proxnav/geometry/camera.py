@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import distortion as lens
@@ -97,7 +97,7 @@ class Camera:
             ideal = lens.jacobian(np.stack([x / z, y / z], axis=-1), self.distortion) @ ideal
         return ideal * np.array([[self.fx], [self.fy]])
 
-    def contains(self, pixels: Pixels) -> np.ndarray:
+    def contains(self, pixels: Pixels) -> Bool[np.ndarray, "*batch"]:
         """Whether pixels (..., 2) lie in the image; False for NaN."""
         return np.asarray(((pixels >= 0.0) & (pixels <= (self.width, self.height))).all(axis=-1))
 
@@ -123,7 +123,9 @@ class Camera:
         return K, np.array(self.distortion)
 
     @staticmethod
-    def from_opencv(K: np.ndarray, distortion: np.ndarray, width: int, height: int) -> "Camera":
+    def from_opencv(
+        K: Float[np.ndarray, "3 3"], distortion: Float[np.ndarray, "n"], width: int, height: int
+    ) -> "Camera":
         """Inverse of `to_opencv`."""
         k = (float(distortion[0]), *(float(value) for value in distortion[1:5]))
         return Camera(width, height, K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5, k)  # pyright: ignore

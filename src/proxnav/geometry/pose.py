@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
@@ -26,15 +27,15 @@ class Pose:
     """Frame of the result."""
     b: str
     """Frame of the argument."""
-    q_wxyz: np.ndarray
-    """(4,) Hamilton quaternion q_a_b, unit."""
-    t_m: np.ndarray
-    """(3,) translation r_a_b [m]."""
+    q_wxyz: Float[np.ndarray, "wxyz=4"]
+    """Hamilton quaternion q_a_b, unit."""
+    t_m: Float[np.ndarray, "3"]
+    """Translation r_a_b [m]."""
 
     def __post_init__(self) -> None:
         q = np.array(self.q_wxyz, dtype=np.float64)
         norm = np.linalg.norm(q)
-        if q.shape != (4,) or not abs(norm - 1.0) < 1e-4:
+        if not abs(norm - 1.0) < 1e-4:
             raise InputError(f"T_{self.a}_{self.b} needs a unit quaternion wxyz, found {q.tolist()} of norm {norm:.6g}")
         object.__setattr__(self, "q_wxyz", frozen(q / norm, (4,), "q_wxyz"))
         t_m = frozen(self.t_m, (3,), "t_m")
@@ -45,7 +46,12 @@ class Pose:
     @staticmethod
     def from_wxyz(a: str, b: str, q_wxyz: Numbers, t_m: Numbers) -> "Pose":
         """T_a_b from the quaternion q_a_b (scalar first) and the position of b's origin in a [m]."""
-        return Pose(a, b, np.asarray(q_wxyz, dtype=np.float64), np.asarray(t_m, dtype=np.float64))
+        q, t = np.asarray(q_wxyz, dtype=np.float64), np.asarray(t_m, dtype=np.float64)
+        if q.shape != (4,) or t.shape != (3,):
+            raise InputError(
+                f"T_{a}_{b} needs 4 numbers q_wxyz and 3 numbers t_m, found shapes {q.shape} and {t.shape}"
+            )
+        return Pose(a, b, q, t)
 
     @staticmethod
     def from_matrix(a: str, b: str, R: Numbers, t_m: Numbers) -> "Pose":
@@ -67,12 +73,12 @@ class Pose:
         return self.a, self.b
 
     @property
-    def R(self) -> np.ndarray:
-        """(3, 3) rotation matrix R_a_b."""
+    def R(self) -> Float[np.ndarray, "3 3"]:
+        """Rotation matrix R_a_b."""
         return quaternion.to_matrix(self.q_wxyz)
 
-    def matrix(self) -> np.ndarray:
-        """(4, 4) homogeneous matrix."""
+    def matrix(self) -> Float[np.ndarray, "4 4"]:
+        """Homogeneous matrix."""
         M = np.eye(4)
         M[:3, :3], M[:3, 3] = self.R, self.t_m
         return M

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.geometry.celestial import R_eci_ric
-from proxnav.geometry.types import Vector3
+from proxnav.geometry.types import Rotation3x3, Vector3
 
 POSITION, VELOCITY = slice(0, 3), slice(3, 6)
 """Blocks of a relative state (rho [m], rho_dot [m/s]), and of its transition."""
@@ -47,5 +47,5 @@ def ric_rate(r_target: Vector3, v_target: Vector3) -> Vector3:
     return np.asarray(rate)[..., None] * np.array([0.0, 0.0, 1.0])
 
 
-def _turn(R: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _turn(R: Rotation3x3, v: Vector3) -> Vector3:
     return (R @ v[..., None])[..., 0]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, UInt, UInt8
 
 Vector3 = Float[np.ndarray, "*#batch 3"]
 """Vectors or points; the frame is in the variable's name."""
@@ -24,6 +24,13 @@ Box = Float[np.ndarray, "xyxy=4"]
 
 Points = Float[np.ndarray, "n_keypoints 3"]
 Flags = Bool[np.ndarray, "n_keypoints"]
+
+Image = UInt[np.ndarray, "height width *rgb"]
+"""Counts of an image, uint8 or uint16, grey or RGB; the first row is on top."""
+
+GreyImage = UInt8[np.ndarray, "height width"]
+Mask = Bool[np.ndarray, "height width"]
+"""Where the target is in an image."""
 
 Numbers = np.ndarray | Sequence[Any]
 """An array or nested lists of numbers, as a user may type them; converted on entry."""

@@ -6,12 +6,13 @@ import cv2
 import numpy as np
 
 from proxnav.errors import InputError
+from proxnav.geometry.types import Image
 from proxnav.images.size import check_claimed_size
 
 MAX_BYTES = 2**29
 
 
-def read_image(path: Path) -> np.ndarray:
+def read_image(path: Path) -> Image:
     """An image file as uint8 or uint16, grey or RGB; InputError when it cannot be decoded."""
     return decode_image(read_image_file(path), str(path))
 
@@ -28,7 +29,7 @@ def read_image_file(path: Path) -> bytes:
         raise InputError(f"{path}: not readable ({error.strerror}); check its permissions") from None
 
 
-def decode_image(content: bytes, where: str) -> np.ndarray:
+def decode_image(content: bytes, where: str) -> Image:
     """The same from the bytes of a file, which messages call `where`."""
     check_claimed_size(content, where)
     try:
@@ -48,17 +49,17 @@ _PNG = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PN
 """Runs only: of sensor noise nothing else can be found, at half the time and five sixths of the bytes of level 3."""
 
 
-def encode_png(image: np.ndarray) -> bytes:
+def encode_png(image: Image) -> bytes:
     """PNG bytes of a grey or RGB uint8/uint16 image; the same array gives the same bytes."""
     return _encoded(".png", image, _PNG)
 
 
-def encode_jpeg(image: np.ndarray, quality: int) -> bytes:
+def encode_jpeg(image: Image, quality: int) -> bytes:
     """JPEG bytes of a grey or RGB uint8 image; `quality` is 0 to 100."""
     return _encoded(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
 
 
-def _encoded(kind: str, image: np.ndarray, settings: list[int]) -> bytes:
+def _encoded(kind: str, image: Image, settings: list[int]) -> bytes:
     pixels = image[..., ::-1] if image.ndim == 3 else image
     ok, encoded = cv2.imencode(kind, np.ascontiguousarray(pixels), settings)
     if not ok:

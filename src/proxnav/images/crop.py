@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Shaped
+
+from proxnav.geometry.types import Box, Pixels
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,23 +21,23 @@ class Crop:
     """Side [px]."""
 
     @staticmethod
-    def around(box_xyxy: Float[np.ndarray, "4"], margin: float, least: int = 32) -> "Crop":
+    def around(box_xyxy: Box, margin: float, least: int = 32) -> "Crop":
         """The crop about a box whose side is `margin` times the longer side of the box, `least` px at least."""
         x0, y0, x1, y1 = box_xyxy
         size = max(int(np.ceil(margin * max(x1 - x0, y1 - y0))), least)
         return Crop(round((x0 + x1 - size) / 2), round((y0 + y1 - size) / 2), size)
 
-    def to_network(self, pixels: np.ndarray, side: int) -> np.ndarray:
-        """Image pixels (..., 2) to pixels of the crop resampled to `side`; corner origin on both."""
+    def to_network(self, pixels: Pixels, side: int) -> Pixels:
+        """Image pixels to pixels of the crop resampled to `side`; corner origin on both."""
         return (pixels - (self.x, self.y)) * (side / self.size)
 
-    def to_image(self, pixels: np.ndarray, side: int) -> np.ndarray:
+    def to_image(self, pixels: Pixels, side: int) -> Pixels:
         """Inverse of `to_network`."""
         return pixels * (self.size / side) + (self.x, self.y)
 
 
-def cut(image: np.ndarray, crop: Crop, side: int) -> np.ndarray:
-    """The crop of a grey image (h, w), resampled to (side, side); black beyond the image."""
+def cut(image: Shaped[np.ndarray, "height width"], crop: Crop, side: int) -> Shaped[np.ndarray, "side side"]:
+    """The crop of a grey image, resampled; black beyond the image."""
     height, width = image.shape
     x0, y0 = max(crop.x, 0), max(crop.y, 0)
     x1, y1 = min(crop.x + crop.size, width), min(crop.y + crop.size, height)
@@ -47,7 +49,7 @@ def cut(image: np.ndarray, crop: Crop, side: int) -> np.ndarray:
     return resample(square, side)
 
 
-def resample(square: np.ndarray, side: int) -> np.ndarray:
+def resample(square: Shaped[np.ndarray, "size size"], side: int) -> Shaped[np.ndarray, "side side"]:
     """A square image at another size: area mean when it shrinks, bilinear when it grows; corner origin kept."""
     if square.shape[0] == side:
         return square

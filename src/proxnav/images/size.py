@@ -3,10 +3,9 @@
 import re
 import struct
 
-import numpy as np
-
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.types import Image
 
 LARGEST_SIDE_PX = 32_768
 MOST_PIXELS = 2**28
@@ -26,7 +25,7 @@ def check_claimed_size(content: bytes, where: str) -> None:
         )
 
 
-def check_size(image: np.ndarray, camera: Camera) -> None:
+def check_size(image: Image, camera: Camera) -> None:
     """InputError when the image is not of the camera's size."""
     height, width = image.shape[:2]
     if (width, height) != (camera.width, camera.height):
@@ -74,7 +73,7 @@ def _jpeg(content: bytes) -> tuple[int, int] | None:
 
 
 def _tiff(content: bytes) -> tuple[int, int] | None:
-    """Of the first directory."""
+    """Size in the first directory."""
     order = "<" if content[:2] == b"II" else ">"
     (start,) = struct.unpack(f"{order}I", content[4:8])
     (count,) = struct.unpack(f"{order}H", content[start : start + 2])

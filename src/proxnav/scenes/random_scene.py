@@ -47,9 +47,9 @@ class RandomSceneConfig:
     """0 lets the sensor choose by its auto exposure."""
     temperature_c: tuple[float, float] = (0.0, 40.0)
     speed_sigma_mps: float = 0.02
-    """Of the target against the camera, per axis; the camera's own turn comes on top."""
+    """Velocity of the target against the camera, per axis; the camera's own turn comes on top."""
     rate_sigma_radps: float = 1e-3
-    """Of the camera, per axis."""
+    """Inertial rate of the camera, per axis."""
     sensor: SensorSpec = field(default_factory=SensorSpec)
     """Used where no `draw_sensor` is handed in."""
 

@@ -13,7 +13,7 @@ from typing import Any
 from proxnav.errors import InputError
 
 MAX_JSON_BYTES = 2**30
-"""Of a file that is read as JSON; 100,000 annotated frames take a third of it."""
+"""Largest file that is read as JSON; 100,000 annotated frames take a third of it."""
 
 
 def write_atomic(path: Path, content: bytes) -> None:

@@ -10,6 +10,7 @@ from proxnav.datasets.formats.labels import LabelRecord, Labels
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.boxes import box_of_points, cut_at_edges
+from proxnav.geometry.types import Points
 from proxnav.records import NOT_IN_IMAGE
 
 Order = Literal["wxyz", "xyzw"]
@@ -64,7 +65,7 @@ def check_order(labels: Labels, order: Order, source: str) -> None:
         )
 
 
-def _measured(record: LabelRecord, points_m: np.ndarray | None) -> bool:
+def _measured(record: LabelRecord, points_m: Points | None) -> bool:
     """Whether the file itself says where the target is in the image."""
     if record.keypoints_px is not None and points_m is not None and len(record.keypoints_px) == len(points_m):
         return True
@@ -72,12 +73,12 @@ def _measured(record: LabelRecord, points_m: np.ndarray | None) -> bool:
 
 
 def _residual(
-    records: list[LabelRecord], points_m: np.ndarray, camera: Camera, reading: _Reading | None, order: Order
+    records: list[LabelRecord], points_m: Points, camera: Camera, reading: _Reading | None, order: Order
 ) -> float:
     return float(np.median([_miss(record, points_m, camera, reading, order) for record in records]))
 
 
-def _miss(record: LabelRecord, points_m: np.ndarray, camera: Camera, reading: _Reading | None, order: Order) -> float:
+def _miss(record: LabelRecord, points_m: Points, camera: Camera, reading: _Reading | None, order: Order) -> float:
     T = record.T_cam_target
     if T is None:
         return np.inf

@@ -16,6 +16,7 @@ from proxnav.datasets.formats.options import ReadOptions
 from proxnav.datasets.formats.places import existing
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.types import Box
 from proxnav.storage.files import read_json
 from proxnav.storage.numbers import finite_numbers
 from proxnav.targets.keypoints.point_files import load_points
@@ -127,7 +128,7 @@ def _image(scene: Path, key: int) -> Path | None:
     return next((path for path in paths if path is not None), None)
 
 
-def _box(info: Any, where: str) -> np.ndarray | None:
+def _box(info: Any, where: str) -> Box | None:
     if "bbox_obj" not in info:
         return None
     x, y, w, h = finite_numbers(info["bbox_obj"], 4, f"{where}: bbox_obj of scene_gt_info.json")

@@ -6,6 +6,7 @@ The time is -1 where it is not known. Names are BOP's, 000012.png; the scene is 
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.datasets.formats.bop import MM
 from proxnav.datasets.formats.bop_write import OBJECT_ID, image_ids
@@ -73,5 +74,5 @@ def _id(cell: str, where: str) -> int:
     return int(cell)
 
 
-def _joined(values: np.ndarray) -> str:
+def _joined(values: Float[np.ndarray, "..."]) -> str:
     return " ".join(repr(float(value)) for value in values)

@@ -18,6 +18,7 @@ from proxnav.datasets.set import coco
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
 from proxnav.geometry import Pose
+from proxnav.geometry.types import Mask
 from proxnav.images.codecs import read_image
 from proxnav.records import FrameLabel
 from proxnav.storage.files import read_json, write_json
@@ -105,7 +106,7 @@ def _annotation(record: LabelRecord, T: Pose, index: int, origin: str) -> dict[s
     return entry
 
 
-def _mask(path: Path) -> np.ndarray:
+def _mask(path: Path) -> Mask:
     mask = read_image(path)
     return (mask if mask.ndim == 2 else mask[..., 0]) > 127
 

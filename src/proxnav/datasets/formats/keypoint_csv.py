@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.datasets.formats.attitude import Order, pose
 from proxnav.datasets.formats.labels import LabelRecord, Labels, need_pose
@@ -15,11 +16,12 @@ from proxnav.datasets.formats.places import flat_names, place, training_splits, 
 from proxnav.datasets.formats.tables import numbers
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
+from proxnav.geometry.types import Box
 from proxnav.storage.tables import read_rows, write_rows
 
 _BEFORE_POINTS = 12  # filename, box, quaternion, position
 
-Cells = Callable[[LabelRecord, str, str], tuple[str, np.ndarray, np.ndarray]]
+Cells = Callable[[LabelRecord, str, str], tuple[str, Box, Float[np.ndarray, "m 2"]]]
 """(record, name, domain) to (first cell, box as the format has it, points (m, 2) as the format has them)."""
 
 
@@ -28,11 +30,9 @@ class KeypointRow:
     """One row as it stands in the file."""
 
     filename: str
-    box: np.ndarray
-    """(4,)"""
+    box: Float[np.ndarray, "4"]
     T_cam_target: Pose
-    points: np.ndarray
-    """(m, 2)"""
+    points: Float[np.ndarray, "m 2"]
 
 
 def read_keypoint_rows(path: Path, order: Order) -> list[KeypointRow]:

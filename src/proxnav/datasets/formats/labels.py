@@ -4,11 +4,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.arrays import frozen
 from proxnav.geometry.boxes import box_of_points
+from proxnav.geometry.types import Box, Points
 from proxnav.records import NOT_IN_IMAGE, VISIBLE, FrameLabel
 
 
@@ -23,14 +25,13 @@ class LabelRecord:
     """Why there is no pose, of estimates."""
     split: str = ""
     """Part of the set, such as `synthetic/train`, `lightbox/test`, a sequence or a scene; empty in undivided sets."""
-    keypoints_px: np.ndarray | None = None
-    """(n, 2) corner origin; NaN where unknown."""
-    visibility: np.ndarray | None = None
-    """(n,) COCO codes."""
-    box_xyxy: np.ndarray | None = None
-    """(4,) [px], outer edges."""
-    covariance: np.ndarray | None = None
-    """(6, 6) translation first, camera frame."""
+    keypoints_px: Float[np.ndarray, "n_keypoints 2"] | None = None
+    """Keypoints [px], corner origin; NaN where unknown."""
+    visibility: Int[np.ndarray, "n_keypoints"] | None = None
+    """COCO's visibility codes."""
+    box_xyxy: Box | None = None
+    covariance: Float[np.ndarray, "6 6"] | None = None
+    """Covariance of the pose, translation first, camera frame."""
     score: float = 1.0
     """Confidence of an estimate, where the format has one."""
     image: Path | None = None
@@ -52,8 +53,8 @@ class Labels:
 
     records: tuple[LabelRecord, ...]
     camera: Camera | None = None
-    keypoints_m: np.ndarray | None = None
-    """(n, 3) in the target frame [m]."""
+    keypoints_m: Points | None = None
+    """Keypoints in the target frame."""
     keypoint_names: tuple[str, ...] = ()
     target_name: str = "target"
     format: str = ""
@@ -96,7 +97,7 @@ def need_camera(labels: Labels, format: str) -> Camera:
     return labels.camera
 
 
-def need_keypoints(labels: Labels, format: str) -> np.ndarray:
+def need_keypoints(labels: Labels, format: str) -> Points:
     """The target's points [m], or InputError that says who needs them."""
     if labels.keypoints_m is None:
         raise InputError(f"{format} needs the target's 3-D points and the source has none; give --target NAME or FILE")
@@ -113,8 +114,8 @@ def need_pose(record: LabelRecord, format: str) -> Pose:
     return record.T_cam_target
 
 
-def pixels_of(record: LabelRecord, format: str) -> np.ndarray:
-    """(n, 2) finite pixels of the keypoints, or InputError."""
+def pixels_of(record: LabelRecord, format: str) -> Float[np.ndarray, "n_keypoints 2"]:
+    """Finite pixels of the keypoints, or InputError."""
     if record.keypoints_px is None:
         raise InputError(f"{format} needs keypoints and '{record.filename}' has none; give --target and --camera")
     if not np.isfinite(record.keypoints_px).all():
@@ -125,7 +126,7 @@ def pixels_of(record: LabelRecord, format: str) -> np.ndarray:
     return record.keypoints_px
 
 
-def box_of(record: LabelRecord, format: str) -> np.ndarray:
+def box_of(record: LabelRecord, format: str) -> Box:
     """The record's box, else the extent of its keypoints."""
     if record.box_xyxy is not None:
         return record.box_xyxy

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from proxnav.datasets.formats.attitude import Order
 from proxnav.geometry import Camera
+from proxnav.geometry.types import Points
 from proxnav.targets import Target
 
 
@@ -15,13 +14,13 @@ class ReadOptions:
     """None leaves it to the file; what the user says wins."""
 
     camera: Camera | None = None
-    keypoints_m: np.ndarray | None = None
-    """(n, 3) points of the target [m], for files that hold none."""
+    keypoints_m: Points | None = None
+    """Points of the target, target frame, for files that hold none."""
     keypoint_names: tuple[str, ...] = ()
     quaternion_order: Order | None = None
     """Where the file departs from its format."""
     pixel_origin: Literal["corner", "centre"] | None = None
-    """Of COCO files that do not say it: pixel (0, 0) is the first pixel's corner, or its centre."""
+    """Origin of COCO files that do not say it: pixel (0, 0) is the first pixel's corner, or its centre."""
     object_id: int | None = None
     """Which object, where images show several."""
 

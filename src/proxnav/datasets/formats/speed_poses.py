@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
@@ -28,8 +29,8 @@ class PoseRecord:
     filename: str
     T_cam_target: Pose | None
     status: str = "ok"
-    covariance: np.ndarray | None = None
-    """(6, 6) translation first, camera frame."""
+    covariance: Float[np.ndarray, "6 6"] | None = None
+    """Covariance of (dt [m], dr [rad]), camera frame."""
 
 
 def read_poses(path: str | Path) -> dict[str, PoseRecord]:
@@ -81,11 +82,11 @@ def _record(entry: Any, where: str) -> PoseRecord:
     return PoseRecord(entry["filename"], Pose.from_wxyz("cam", "target", q, t_m), status, _covariance(entry, where))
 
 
-def _covariance(entry: Mapping[str, Any], where: str) -> np.ndarray | None:
+def _covariance(entry: Mapping[str, Any], where: str) -> Float[np.ndarray, "6 6"] | None:
     if entry.get("covariance") is None:
         return None
     return _numbers(entry["covariance"], 36, where, "covariance").reshape(6, 6)
 
 
-def _numbers(value: Any, count: int, where: str, key: str) -> np.ndarray:
+def _numbers(value: Any, count: int, where: str, key: str) -> Float[np.ndarray, "n"]:
     return finite_numbers(value, count, f"{where}: {key}")

@@ -31,7 +31,7 @@ from proxnav.storage.files import read_json, write_json
 from proxnav.targets.keypoints.point_files import load_points
 
 SPEED_CAMERA = Camera(1920, 1200, 0.0176 / 5.86e-6, 0.0176 / 5.86e-6, 960.0, 600.0)
-"""Of SPEED (2019), which ships no camera file."""
+"""Camera of SPEED (2019), which ships no camera file."""
 
 _MAX_FILES = 200
 

@@ -5,6 +5,7 @@ of every keypoint. Box and points are parts of the image's width and height. It 
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.datasets.formats.keypoint_csv import read_keypoint_rows, write_keypoint_rows
 from proxnav.datasets.formats.labels import LabelRecord, Labels, box_of, need_camera, need_pose, pixels_of
@@ -12,6 +13,7 @@ from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, mask_beside
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.types import Box
 
 FOLDER = "labels"
 
@@ -39,7 +41,7 @@ def write(labels: Labels, folder: Path, options: WriteOptions) -> None:
     camera = need_camera(labels, "spnv2")
     size = _size(camera)
 
-    def cells(record: LabelRecord, name: str, domain: str) -> tuple[str, np.ndarray, np.ndarray]:
+    def cells(record: LabelRecord, name: str, domain: str) -> tuple[str, Box, Float[np.ndarray, "m 2"]]:
         origin = camera.project(need_pose(record, "spnv2").t_m)
         if not np.isfinite(origin).all():
             raise InputError(f"'{record.filename}': the target's origin is behind the camera; spnv2 cannot hold that")
@@ -49,5 +51,5 @@ def write(labels: Labels, folder: Path, options: WriteOptions) -> None:
     write_keypoint_rows(labels, folder, options, FOLDER, "spnv2", cells)
 
 
-def _size(camera: Camera) -> np.ndarray:
+def _size(camera: Camera) -> Float[np.ndarray, "2"]:
     return np.array([camera.width, camera.height], dtype=np.float64)

@@ -9,6 +9,7 @@ from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.datasets.formats.attitude import Order, pose
 from proxnav.datasets.formats.labels import LabelRecord, Labels, need_pose
@@ -84,7 +85,7 @@ def _record(path: Path, number: int, names: list[str], row: list[str], order: Or
     return LabelRecord(shown, T, split=_LONG.get(part, part), image=existing(path.parent, name))
 
 
-def _to_urso(T: Pose) -> np.ndarray:
+def _to_urso(T: Pose) -> Float[np.ndarray, "7"]:
     w, q1, q2, q3 = quaternion.canonical(T.q_wxyz)
     x, y, z = T.t_m
     return np.array([z, x, -y, q1, -q2, q3, w])

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
-from proxnav.datasets.sensor_records.plausibility import Range, check_table
+from proxnav.datasets.sensor_records.plausibility import Range, Rows, check_table
 from proxnav.errors import InputError
 from proxnav.records import (
     AccelerometerData,
@@ -105,7 +106,7 @@ def read_records(folder: Path) -> ReadRecords:
     return ReadRecords(_records(epoch, found), rejected)
 
 
-def _rows(records: SensorRecords) -> dict[str, np.ndarray]:
+def _rows(records: SensorRecords) -> dict[str, Rows]:
     e, out = records.ephemeris, {}
     out["ephemeris"] = np.c_[e.t, e.r_eci_m, e.v_eci_mps]
     if (g := records.gyro) is not None:
@@ -124,7 +125,7 @@ def _rows(records: SensorRecords) -> dict[str, np.ndarray]:
     return out
 
 
-def _keypoint_rows(data: KeypointData) -> np.ndarray:
+def _keypoint_rows(data: KeypointData) -> Rows:
     frame, index = np.nonzero(np.isfinite(data.pixels[..., 0]))
     cov = data.covariances_px2[frame, index]
     return np.c_[
@@ -132,11 +133,11 @@ def _keypoint_rows(data: KeypointData) -> np.ndarray:
     ]
 
 
-def _records(epoch: str, found: Mapping[str, np.ndarray]) -> SensorRecords:
-    def columns(name: str, *cuts: int) -> list[np.ndarray] | None:
+def _records(epoch: str, found: Mapping[str, Rows]) -> SensorRecords:
+    def columns(name: str, *cuts: int) -> list[Rows] | None:
         return np.split(found[name], cuts, axis=1) if name in found else None
 
-    def flat(parts: list[np.ndarray], *which: int) -> list[np.ndarray]:
+    def flat(parts: list[Rows], *which: int) -> list[Float[np.ndarray, "..."]]:
         return [part[:, 0] if i in which else part for i, part in enumerate(parts)]
 
     e, g, a = columns("ephemeris", 1, 4), columns("gyro", 1), columns("accelerometer", 1, 4)
@@ -154,7 +155,7 @@ def _records(epoch: str, found: Mapping[str, np.ndarray]) -> SensorRecords:
     )
 
 
-def _keypoints(rows: np.ndarray) -> KeypointData:
+def _keypoints(rows: Rows) -> KeypointData:
     """Frames from rows of single keypoints; the frames keep their order of arrival."""
     frames, first, inverse = np.unique(rows[:, :2], axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first, kind="stable")
@@ -166,7 +167,7 @@ def _keypoints(rows: np.ndarray) -> KeypointData:
     return KeypointData(frames[order, 0], frames[order, 1], pixels, cov)
 
 
-def _full(upper: np.ndarray) -> np.ndarray:
+def _full(upper: Float[np.ndarray, "n 21"]) -> Float[np.ndarray, "n 6 6"]:
     out = np.zeros((len(upper), 6, 6))
     for column, (i, j) in enumerate(_UPPER):
         out[:, i, j] = out[:, j, i] = upper[:, column]
@@ -180,7 +181,7 @@ def _read_epoch(path: Path) -> str:
     return str(content["epoch_utc"])
 
 
-def read_columns(path: Path, columns: Sequence[str]) -> np.ndarray:
+def read_columns(path: Path, columns: Sequence[str]) -> Rows:
     """Values of the named columns; InputError names what is missing or no number."""
     if not path.is_file():
         raise InputError(f"{path}: no such file; expected a csv with the columns {', '.join(columns)}")
@@ -190,7 +191,7 @@ def read_columns(path: Path, columns: Sequence[str]) -> np.ndarray:
     return rows
 
 
-def _read_table(path: Path, columns: Sequence[str]) -> tuple[np.ndarray, int]:
+def _read_table(path: Path, columns: Sequence[str]) -> tuple[Rows, int]:
     """Values in the order of `columns`, whatever the order in the file, and how many rows were no numbers."""
     with path.open(newline="", encoding="utf-8-sig", errors="replace") as file, refused_csv(path):
         reader = csv.reader(file)

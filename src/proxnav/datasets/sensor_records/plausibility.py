@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.records import SensorRecords
 
-_MOST_BAD = 0.5
+Rows = Float[np.ndarray, "n n_columns"]
+"""Values of a table, row by row."""
 _LEAST_TURN = 3e-4  # rad/s; below it gyro and star tracker have nothing to be compared by
 
 
@@ -25,8 +27,8 @@ class Range:
 
 
 def check_table(
-    path: str, columns: Sequence[str], rows: np.ndarray, ranges: Mapping[str, Range]
-) -> tuple[np.ndarray, dict[str, int]]:
+    path: str, columns: Sequence[str], rows: Rows, ranges: Mapping[str, Range]
+) -> tuple[Rows, dict[str, int]]:
     """Rows that can be, and how many were left out for which reason; InputError when the whole file cannot be."""
     finite = np.isfinite(rows).all(axis=1)
     reasons = {"not finite": int((~finite).sum())}
@@ -40,7 +42,7 @@ def check_table(
     return rows[keep], {reason: count for reason, count in reasons.items() if count}
 
 
-def _inside(path: str, columns: Sequence[str], rows: np.ndarray, prefix: str, limits: Range) -> np.ndarray:
+def _inside(path: str, columns: Sequence[str], rows: Rows, prefix: str, limits: Range) -> Bool[np.ndarray, "n"]:
     """Which rows can be; a median out of range is a unit, not noise."""
     block = [i for i, name in enumerate(columns) if name.startswith(prefix)]
     length = np.linalg.norm(rows[:, block], axis=1)

@@ -8,18 +8,18 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
 from pycocotools import mask as coco_mask
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.types import Mask
 from proxnav.records import FrameLabel
 from proxnav.storage.numbers import finite_numbers
 
 VERSION = 1
 
 
-def annotation(label: FrameLabel, image_id: int, mask: Bool[np.ndarray, "height width"] | None) -> dict[str, Any]:
+def annotation(label: FrameLabel, image_id: int, mask: Mask | None) -> dict[str, Any]:
     """One COCO annotation; without a mask the area is the box's and there is no segmentation."""
     x0, y0, x1, y1 = (float(value) for value in np.nan_to_num(label.box_xyxy))
     uv = np.nan_to_num(label.keypoints_px)
@@ -88,6 +88,6 @@ def _label(entry: Any, filename: str, n_keypoints: int, where: str) -> FrameLabe
     return FrameLabel(filename, T, uvf[:, :2], uvf[:, 2].astype(np.int64), box)
 
 
-def _run_lengths(mask: np.ndarray) -> dict[str, Any]:
+def _run_lengths(mask: Mask) -> dict[str, Any]:
     encoded: Any = coco_mask.encode(np.asfortranarray(mask, dtype=np.uint8))
     return {"size": [int(n) for n in encoded["size"]], "counts": encoded["counts"].decode("ascii")}

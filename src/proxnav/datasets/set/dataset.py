@@ -12,11 +12,10 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from proxnav.datasets.set import coco
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.geometry.types import Image, Mask, Points
 from proxnav.images.codecs import read_image
 from proxnav.records import FrameLabel, SceneSpec
 from proxnav.storage.files import inside, read_json
@@ -59,8 +58,8 @@ class Dataset:
         return self._annotations[1]
 
     @cached_property
-    def keypoints_m(self) -> np.ndarray:
-        """(n, 3) keypoints in the target frame [m]."""
+    def keypoints_m(self) -> Points:
+        """Keypoints in the target frame [m]."""
         points = finite_numbers(self._target("keypoints_m"), None, f"{self.folder / 'target.json'}: keypoints_m")
         if points.size != 3 * len(self.keypoint_names):
             raise InputError(
@@ -93,11 +92,11 @@ class Dataset:
                 except ValueError as error:
                     raise InputError(f"{path}, line {number}: {error}") from None
 
-    def image(self, index: int) -> np.ndarray:
-        """Image `index` as stored: uint8 or uint16, grey (h, w) or colour (h, w, 3) in RGB order."""
+    def image(self, index: int) -> Image:
+        """Image `index` as stored."""
         return read_image(inside(self.folder / "images", self.labels[index].filename))
 
-    def mask(self, index: int) -> np.ndarray:
-        """(h, w) bool, where the target is; masks are PNG whatever the images are."""
+    def mask(self, index: int) -> Mask:
+        """Where the target is in image `index`; masks are PNG whatever the images are."""
         name = Path(self.labels[index].filename).with_suffix(".png")
         return read_image(inside(self.folder / "masks", str(name))) > 127

@@ -16,6 +16,7 @@ import numpy as np
 from proxnav.datasets.set import coco
 from proxnav.errors import InputError
 from proxnav.geometry.camera_files import speed_json
+from proxnav.geometry.types import Image, Mask
 from proxnav.images.codecs import encode_png
 from proxnav.records import FrameLabel, SceneSpec
 from proxnav.storage.files import cannot_write, json_bytes, read_json, write_atomic, write_json
@@ -65,7 +66,7 @@ class DatasetWriter:
             raise InputError(f"{self.folder} is not empty and holds no data set; give another --out")
         return lines
 
-    def add(self, scene: SceneSpec, image: np.ndarray, mask: np.ndarray, label: FrameLabel) -> None:
+    def add(self, scene: SceneSpec, image: Image, mask: Mask, label: FrameLabel) -> None:
         """One frame: image, mask, then its record."""
         self.put(encode_frame(scene, image, mask, label))
 
@@ -101,7 +102,7 @@ def _begun(folder: Path) -> bool:
     return not found or (found <= ours and (found == {LOCK} or _PENDING in found))
 
 
-def encode_frame(scene: SceneSpec, image: np.ndarray, mask: np.ndarray, label: FrameLabel) -> dict[str, bytes]:
+def encode_frame(scene: SceneSpec, image: Image, mask: Mask, label: FrameLabel) -> dict[str, bytes]:
     """The files of one frame by their path in the data set, its record last."""
     return {
         f"images/{scene.filename}": encode_png(image),
