@@ -1,23 +1,37 @@
 """How inner loops are compiled: one decorator, and the licences that some of them hold.
 
-Every kernel is kept on disk, gives up Python's lock while it runs and takes bare arrays and numbers: it has no
-annotations, and hooks that check shapes at run time leave it alone.
+Every kernel is kept on disk and made anew when its file changes or one that it calls into. It gives up Python's lock
+while it runs and takes bare arrays and numbers: it has no annotations, and hooks that check shapes leave it alone.
 """
 
 import inspect
 from collections.abc import Callable
-from typing import TypeVar, no_type_check
+from pathlib import Path
+from typing import Any, TypeVar, no_type_check
 
 from numba import njit
 
+from proxnav.geometry.compiled.sources import digest
+
+_PACKAGE = Path(__file__).parents[2]
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
 def _compiler(**licence: object) -> Callable[[_Function], _Function]:
     def compiled(function: _Function) -> _Function:
-        return njit(cache=True, nogil=True, **licence)(no_type_check(inspect.unwrap(function)))  # pyright: ignore
+        bare = inspect.unwrap(function)  # a hook may have wrapped it already
+        dispatcher = njit(cache=True, nogil=True, **licence)(no_type_check(bare))  # pyright: ignore
+        _watch_callees(dispatcher, Path(inspect.getfile(bare)))
+        return dispatcher
 
     return compiled
+
+
+def _watch_callees(dispatcher: Any, path: Path) -> None:
+    """Code on disk becomes stale when any file changes from which the function's file takes functions or constants."""
+    on_disk = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if on_disk is not None and path.is_file():
+        on_disk._source_stamp = on_disk._source_stamp, digest(path, _PACKAGE)
 
 
 # Licences to round otherwise than written. Not reassociation: windows and whole images are to agree to the bit. Without
