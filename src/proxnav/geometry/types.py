@@ -22,6 +22,9 @@ Pixels = Float[np.ndarray, "*#batch 2"]
 Box = Float[np.ndarray, "xyxy=4"]
 """x0, y0, x1, y1 [px], outer edges."""
 
+PoseCovariance = Float[np.ndarray, "6 6"]
+"""Covariance of (dt [m], dr [rad]), translation first: t_true = t + dt, R_true = exp(dr) R."""
+
 Points = Float[np.ndarray, "n_keypoints 3"]
 Flags = Bool[np.ndarray, "n_keypoints"]
 

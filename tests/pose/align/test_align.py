@@ -1,4 +1,4 @@
-"""A pose laid onto an image: pictures of a box painted by OpenCV, side by side, at four times the resolution."""
+"""A pose refined on an image: pictures of a box painted by OpenCV, side by side, at four times the resolution."""
 
 from dataclasses import replace
 
@@ -15,10 +15,10 @@ from proxnav.geometry.compiled.perturbation import difference as compiled_differ
 from proxnav.geometry.perturbation import difference, moved
 from proxnav.pose.align import AlignConfig, Prior, align
 from proxnav.pose.align.config import USUAL_DOUBT
-from proxnav.pose.align.evidence import edge_share, region_misfit
 from proxnav.pose.align.kernels.edges import edge_equations
 from proxnav.pose.align.outline import outline
-from proxnav.pose.align.view import View, target_box
+from proxnav.pose.align.score import Sampling, edge_share, region_misfit
+from proxnav.pose.align.target_crop import TargetCrop, target_box
 from proxnav.pose.align.wireframe import wireframe
 
 CAMERA = Camera(width=320, height=240, fx=420.0, fy=420.0, cx=163.0, cy=118.0)
@@ -27,6 +27,7 @@ POSE = Pose("cam", "target", quaternion.exp(np.array([0.5, -0.7, 0.3])), np.arra
 TONES = (40, 90, 130, 170, 210, 240)
 FINER = 8
 LINE = 40
+FINE = Sampling(blur_px=0.5, spacing_px=2.0)
 
 
 def painted(T: Pose, camera: Camera = CAMERA, sky: int = 12, noise: float = 2.0) -> np.ndarray:
@@ -50,10 +51,10 @@ def prior_of(T: Pose, sigma_m: float = 0.1, sigma_rad: float = 0.05) -> Prior:
     return Prior.of(T, np.diag([sigma_m, sigma_m, 5.0 * sigma_m, sigma_rad, sigma_rad, sigma_rad]) ** 2)
 
 
-def view_of(image: np.ndarray, T: Pose, camera: Camera = CAMERA, side: int = 400) -> View:
+def crop_of(image: np.ndarray, T: Pose, camera: Camera = CAMERA, side: int = 400) -> TargetCrop:
     box = target_box(boxcraft(), T, camera)
     assert box is not None
-    return View.around(image, box, camera, 1.15, side)
+    return TargetCrop.around(image, box, camera, 1.15, side)
 
 
 @settings(deadline=None)
@@ -71,8 +72,8 @@ def test_a_box_has_twelve_sharp_edges_and_six_flat_ones():
 
 @pytest.mark.parametrize("camera", [CAMERA, BENT])
 def test_points_of_the_outline_lie_on_edges_of_visible_sides(camera):
-    view = view_of(painted(POSE, camera), POSE, camera)
-    lines = outline(boxcraft(), POSE.R, POSE.t_m, view, spacing_px=2.0)
+    crop = crop_of(painted(POSE, camera), POSE, camera)
+    lines = outline(boxcraft(), POSE.R, POSE.t_m, crop, spacing_px=2.0)
     half = np.array([1.5, 1.0, 0.6])
     on = np.isclose(np.abs(lines.points_m), half, atol=1e-9)
     assert len(lines.points_m) > 100
@@ -83,7 +84,7 @@ def test_points_of_the_outline_lie_on_edges_of_visible_sides(camera):
 
 
 def test_the_hidden_corner_has_no_outline():
-    lines = outline(boxcraft(), POSE.R, POSE.t_m, view_of(painted(POSE), POSE), spacing_px=1.0)
+    lines = outline(boxcraft(), POSE.R, POSE.t_m, crop_of(painted(POSE), POSE), spacing_px=1.0)
     eye = -POSE.R.T @ POSE.t_m
     hidden = -np.sign(eye) * [1.5, 1.0, 0.6]
     assert np.linalg.norm(lines.points_m - hidden, axis=1).min() > 0.5  # m
@@ -128,18 +129,18 @@ def test_doubtful_keypoints_widen_the_outlines_covariance_and_leave_the_pose():
 
 def test_a_right_pose_explains_the_image_better_than_wrong_ones():
     image, box = painted(POSE), boxcraft()
-    view = view_of(image, POSE)
+    crop = crop_of(image, POSE)
     for axis in range(6):
         step = np.zeros(6)
         step[axis] = 0.5 if axis == 2 else 0.12
         wrong = moved(POSE, step)
-        assert edge_share(box, POSE, view, 0.5, 2.0) > edge_share(box, wrong, view, 0.5, 2.0) + 0.1
-        assert region_misfit(box, POSE, view, 80) < region_misfit(box, wrong, view, 80) - 0.02
+        assert edge_share(box, POSE, crop, FINE) > edge_share(box, wrong, crop, FINE) + 0.1
+        assert region_misfit(box, POSE, crop, 80) < region_misfit(box, wrong, crop, 80) - 0.02
 
 
 def test_a_picture_painted_side_by_side_is_explained_by_its_sides():
     exact = painted(POSE, noise=0.0)
-    assert region_misfit(boxcraft(), POSE, view_of(exact, POSE), 120) < 0.03  # what is left: pixels across a border
+    assert region_misfit(boxcraft(), POSE, crop_of(exact, POSE), 120) < 0.03  # what is left: pixels across a border
 
 
 def test_offsets_along_normals_are_those_of_a_step_edge():
@@ -168,7 +169,7 @@ def test_the_kernel_measures_offsets_as_geometry_does(step):
 
 def test_no_edges_no_share_and_no_target_no_alignment():
     dark = np.full((240, 320), 20, np.uint8)
-    assert edge_share(boxcraft(), POSE, view_of(dark, POSE), 0.5, 2.0) < 0.01
+    assert edge_share(boxcraft(), POSE, crop_of(dark, POSE), FINE) < 0.01
     away = Pose("cam", "target", POSE.q_wxyz, np.array([80.0, 0.0, 9.0]))
     assert align(dark, CAMERA, boxcraft(), prior_of(away)) is None
     behind = Pose("cam", "target", POSE.q_wxyz, np.array([0.0, 0.0, -9.0]))
@@ -177,6 +178,6 @@ def test_no_edges_no_share_and_no_target_no_alignment():
 
 def test_an_image_without_edges_leaves_the_pose_where_the_keypoints_put_it():
     dark = np.full((240, 320), 20, np.uint8)
-    found = align(dark, CAMERA, boxcraft(), prior_of(POSE), AlignConfig(starts=0))
+    found = align(dark, CAMERA, boxcraft(), prior_of(POSE))
     assert found is not None
     np.testing.assert_allclose(difference(POSE, found.T_cam_target), np.zeros(6), atol=1e-6)

@@ -253,7 +253,7 @@ def test_solving_needs_no_torch() -> None:
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"sigma_px": 0.0}, {"min_inliers": 3}, {"min_inlier_share": 1.5}, {"confidence": 1.0}, {"gate_sigma": -1.0}],
+    [{"sigma_px": 0.0}, {"min_inliers": 3}, {"min_inlier_share": 1.5}, {"gate_sigma": -1.0}],
 )
 def test_configurations_without_meaning_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):

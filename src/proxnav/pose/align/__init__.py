@@ -1,4 +1,4 @@
-"""Poses made exact by the outline of the target in the image."""
+"""Poses refined on the outline of the target in the image."""
 
 from proxnav.pose.align.align import Alignment, align
 from proxnav.pose.align.config import AlignConfig

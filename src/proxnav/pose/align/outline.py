@@ -3,15 +3,17 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Float
 
+from proxnav.geometry.types import Rotation3x3, Vector3
 from proxnav.pose.align.kernels.outline import sample_edges
-from proxnav.pose.align.view import View
+from proxnav.pose.align.target_crop import TargetCrop
 from proxnav.pose.align.wireframe import CREASE_RAD, wireframe
 from proxnav.targets import Target
 from proxnav.targets.keypoints.visibility import first_faces
 
 _SIDE_PX = 1.5
-"""Where, on either side of a line, it is looked at what lies there."""
+"""How far on either side of a line what lies there is compared."""
 _MOST = 8000
 _ENOUGH = 1200
 """Points, hidden ones among them, beyond which every second or third is left out."""
@@ -21,13 +23,13 @@ _ENOUGH = 1200
 class Outline:
     """Points and the normals of their lines in the image."""
 
-    points_m: np.ndarray
-    """(n, 3) target frame."""
-    normals: np.ndarray
-    """(n, 2) unit, in the image."""
+    points_m: Float[np.ndarray, "n 3"]
+    """Target axes."""
+    normals: Float[np.ndarray, "n 2"]
+    """Unit vectors in the image."""
 
 
-def outline(target: Target, R: np.ndarray, t: np.ndarray, view: View, spacing_px: float) -> Outline:
+def outline(target: Target, R: Rotation3x3, t: Vector3, crop: TargetCrop, spacing_px: float) -> Outline:
     """Points every `spacing_px` along the visible lines of the target at the pose (R, t) [m] of T_cam_target.
 
     A line is visible where two different things meet in the image.
@@ -35,9 +37,9 @@ def outline(target: Target, R: np.ndarray, t: np.ndarray, view: View, spacing_px
     wire = wireframe(target)
     eye = -R.T @ t
     X, N = np.empty((_MOST, 3)), np.empty((_MOST, 2))
-    size = view.camera
+    size = crop.camera
     edges = (wire.a_m, wire.b_m, wire.normal_1, wire.normal_2, wire.sharp)
-    n = sample_edges(*edges, R, t, eye, view.lens, size.width, size.height, spacing_px, X, N)
+    n = sample_edges(*edges, R, t, eye, crop.lens, size.width, size.height, spacing_px, X, N)
     thin = 1 + n // _ENOUGH
     X, N = X[:n:thin].copy(), N[:n:thin].copy()
     if n == 0:
@@ -48,15 +50,15 @@ def outline(target: Target, R: np.ndarray, t: np.ndarray, view: View, spacing_px
 
 def _is_seen(
     target: Target,
-    face_normals: np.ndarray,
-    X: np.ndarray,
-    N: np.ndarray,
-    R: np.ndarray,
-    t: np.ndarray,
-    eye: np.ndarray,
+    face_normals: Float[np.ndarray, "n_faces 3"],
+    X: Float[np.ndarray, "n 3"],
+    N: Float[np.ndarray, "n 2"],
+    R: Rotation3x3,
+    t: Vector3,
+    eye: Vector3,
     focal_px: tuple[float, float],
-) -> np.ndarray:
-    """(n,) bool: nothing lies before the point, and its two sides show different parts, depths, slopes or the sky."""
+) -> Bool[np.ndarray, "n"]:
+    """Whether nothing lies before a point, and its two sides show different parts, depths, slopes or the sky."""
     n, tolerance = len(X), 0.01 * target.radius_m
     p = X @ R.T + t
     side = np.zeros_like(p)

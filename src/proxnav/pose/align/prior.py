@@ -1,4 +1,4 @@
-"""What the keypoints said before the image was looked at again: a pose with its covariance."""
+"""What the keypoints say before the image itself is compared: a pose with its covariance."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,13 @@ from jaxtyping import Float
 
 from proxnav.geometry import Pose
 from proxnav.geometry.perturbation import difference, moved
+from proxnav.geometry.types import PoseCovariance
 from proxnav.pose.align.config import USUAL_DOUBT
 
 _LEVER_M = 6.0
 """Weight of a radian against a metre across the line of sight when axes of a covariance are compared."""
 _ALONG = 0.15
-"""The same of a metre along the line of sight."""
+"""Weight of a metre along the line of sight against one across it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,16 +21,15 @@ class Prior:
     """N(T, covariance), errors (dt, dr) with t_true = t + dt, R_true = exp(dr) R."""
 
     T_cam_target: Pose
-    covariance: np.ndarray
-    """(6, 6)."""
-    information: np.ndarray
-    """(6, 6), its inverse."""
+    covariance: PoseCovariance
+    information: Float[np.ndarray, "6 6"]
+    """Inverse of the covariance."""
     doubt: float = USUAL_DOUBT
     """1 - median score of the keypoints."""
 
     @staticmethod
-    def of(T_cam_target: Pose, covariance: Float[np.ndarray, "6 6"], doubt: float = USUAL_DOUBT) -> "Prior":
-        """From a pose, its covariance and the keypoints' doubt."""
+    def of(T_cam_target: Pose, covariance: PoseCovariance, doubt: float = USUAL_DOUBT) -> "Prior":
+        """The prior of a pose, its covariance and the keypoints' doubt."""
         return Prior(T_cam_target, covariance, np.linalg.inv(covariance), doubt)
 
     def offset(self, T_cam_target: Pose) -> Float[np.ndarray, "6"]:
@@ -37,11 +37,11 @@ class Prior:
         return difference(self.T_cam_target, T_cam_target)
 
     def distance2(self, T_cam_target: Pose) -> float:
-        """Squared Mahalanobis distance."""
+        """Squared Mahalanobis distance of another pose."""
         d = self.offset(T_cam_target)
         return float(d @ self.information @ d)
 
-    def others(self, axes: int, sigmas: tuple[float, ...]) -> list[Pose]:
+    def alternatives(self, axes: int, sigmas: tuple[float, ...]) -> list[Pose]:
         """Poses that many standard deviations away along the longest axes of the covariance."""
         scale = np.array([1.0, 1.0, _ALONG, _LEVER_M, _LEVER_M, _LEVER_M])
         variances, directions = np.linalg.eigh(self.covariance * np.outer(scale, scale))

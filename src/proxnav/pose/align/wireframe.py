@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 import trimesh
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from proxnav.targets import Target
 
@@ -17,18 +17,14 @@ CREASE_RAD = np.radians(20.0)
 class Wireframe:
     """Edges a-b [m, target frame] and the unit normals of their faces; a lone face counts twice."""
 
-    a_m: np.ndarray
-    """(n, 3)."""
-    b_m: np.ndarray
-    """(n, 3)."""
-    normal_1: np.ndarray
-    """(n, 3)."""
-    normal_2: np.ndarray
-    """(n, 3)."""
-    sharp: np.ndarray
-    """(n,) bool: a crease, a rim, or a border between two parts."""
-    face_normals: np.ndarray
-    """(m, 3) of the target's faces, in their order."""
+    a_m: Float[np.ndarray, "n 3"]
+    b_m: Float[np.ndarray, "n 3"]
+    normal_1: Float[np.ndarray, "n 3"]
+    normal_2: Float[np.ndarray, "n 3"]
+    sharp: Bool[np.ndarray, "n"]
+    """Whether an edge is a crease, a rim, or a border between two parts."""
+    face_normals: Float[np.ndarray, "m 3"]
+    """Unit normals of the target's faces, in their order."""
 
 
 @lru_cache(maxsize=8)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.geometry import so3
-from proxnav.geometry.types import Flags, Rotation3x3
+from proxnav.geometry.types import Flags, Rotation3x3, Vector3
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.intake import Correspondences
 from proxnav.pose.solve.kernels.consensus import MODES, compete, search
@@ -14,9 +14,15 @@ from proxnav.pose.solve.kernels.refinement import distances, normal_equations, r
 from proxnav.pose.solve.kernels.weights import weigh
 
 LOSSES = {"squares": 0, "huber": 1, "cauchy": 2}
+_LOSS2 = 2.5**2  # squared standard deviations at which the robust loss leaves the square
 _WEIGHT_FLOOR_PX2 = 1e-6  # keeps a zero covariance invertible
+_GATE_FLOOR_PX2 = 0.5**2  # variance added to every keypoint's own in the gate, not in the weights
 _SEARCH_WIDENING = 2.0  # a pose of three noisy points is worse than the refined one: the search gate is wider
 _MIRROR_STEPS = 8  # Levenberg-Marquardt steps given to the pose behind the camera
+
+
+PixelInformation = Float[np.ndarray, "used 3"]
+"""Inverse covariance of each pixel, a row as in `kernels.weights`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,8 +32,7 @@ class Fit:
     R: Rotation3x3
     t: Float[np.ndarray, "3"]
     use: Flags
-    info: Float[np.ndarray, "used 3"]
-    """Inverse covariance of each pixel as (a, b, c) of [[a, b], [b, c]]."""
+    info: PixelInformation
     cost: float
     """Sum of squared normalised errors, each at most the squared gate."""
     rival_R: Rotation3x3
@@ -41,14 +46,14 @@ class Fit:
 
 def fit_consensus(data: Correspondences, scale: float, config: PoseConfig) -> Fit | None:
     """The best pose in front of the camera, keypoint noise taken `scale` times as large; None without a triangle."""
-    info, gate_info, ray_info = _weights(data, scale, config)
+    info, gate_info, ray_info = _weights(data, scale)
     modes_R, modes_t, costs = _search(data, ray_info, 1.0, config)
     if not np.isfinite(costs).any():
         return None
     use = np.zeros(len(data.X), dtype=bool)
     best, cost, rival, rival_cost = compete(
         modes_R, modes_t, costs, data.X, data.pixels, info, gate_info, data.lens, config.gate_sigma**2,
-        LOSSES[config.loss], config.loss_sigma**2, _SEARCH_WIDENING, use,
+        LOSSES[config.loss], _LOSS2, _SEARCH_WIDENING, use,
     )  # fmt: skip
     return Fit(modes_R[best], modes_t[best], use, info, cost, modes_R[rival], rival_cost)
 
@@ -60,7 +65,7 @@ def agrees(fit: Fit | None, data: Correspondences, config: PoseConfig) -> bool:
 
 def seen_from_behind(data: Correspondences, config: PoseConfig) -> bool:
     """Whether the points agree on a pose behind the camera, as a sign error or a mirrored axis makes them."""
-    _, gate_info, ray_info = _weights(data, 1.0, config)
+    _, gate_info, ray_info = _weights(data, 1.0)
     modes_R, modes_t, costs = _search(data, ray_info, -1.0, config)
     best = int(np.argmin(costs))
     if not np.isfinite(costs[best]):
@@ -74,15 +79,15 @@ def information(fit: Fit, data: Correspondences, config: PoseConfig) -> Float[np
     H, g = np.empty((6, 6)), np.empty(6)
     X, t = data.X + data.centroid, fit.t - fit.R @ data.centroid
     loss = LOSSES[config.loss]
-    normal_equations(fit.R, t, X, data.pixels, fit.info, fit.use, data.lens, 1.0, loss, config.loss_sigma**2, H, g)
+    normal_equations(fit.R, t, X, data.pixels, fit.info, fit.use, data.lens, 1.0, loss, _LOSS2, H, g)
     return H
 
 
 def cost_behind(fit: Fit, data: Correspondences, config: PoseConfig) -> float:
     """Cost of the pose behind the camera that looks most like this one: half a turn round the axis, depth reversed."""
     R, t = fit.R * [[-1.0], [-1.0], [1.0]], -fit.t
-    loss, k2, gate2 = LOSSES[config.loss], config.loss_sigma**2, config.gate_sigma**2
-    refine(R, t, data.X, data.pixels, fit.info, fit.use, data.lens, -1.0, loss, k2, _MIRROR_STEPS)
+    loss, gate2 = LOSSES[config.loss], config.gate_sigma**2
+    refine(R, t, data.X, data.pixels, fit.info, fit.use, data.lens, -1.0, loss, _LOSS2, _MIRROR_STEPS)
     return float(np.minimum(_d2(R, t, data, fit.info, side=-1.0), gate2).sum())
 
 
@@ -104,28 +109,27 @@ def _is_consensus(use: Flags, data: Correspondences, config: PoseConfig) -> bool
     return places >= config.min_inliers and count >= config.min_inlier_share * n
 
 
-def _weights(data: Correspondences, scale: float, config: PoseConfig) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _weights(data: Correspondences, scale: float) -> tuple[PixelInformation, PixelInformation, PixelInformation]:
+    """Inverse covariances of the pixels, those of the gate, and those of the gate on the plane z = 1."""
     info, gate_info, ray_info = np.empty((3, len(data.X), 3))
     covariances = data.covariances if scale == 1.0 else data.covariances * scale**2
-    floor2 = config.gate_floor_px**2
-    weigh(data.xy, covariances, _WEIGHT_FLOOR_PX2, floor2, data.lens, info, gate_info, ray_info)
+    weigh(data.xy, covariances, _WEIGHT_FLOOR_PX2, _GATE_FLOOR_PX2, data.lens, info, gate_info, ray_info)
     return info, gate_info, ray_info
 
 
 def _search(
-    data: Correspondences, ray_info: np.ndarray, side: float, config: PoseConfig
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    data: Correspondences, ray_info: PixelInformation, side: float, config: PoseConfig
+) -> tuple[Float[np.ndarray, "modes 3 3"], Float[np.ndarray, "modes 3"], Float[np.ndarray, "modes"]]:
+    """Rotations, translations and costs of the poses of three-point subsets; infinite costs stand for none."""
     modes_R, modes_t, costs = np.zeros((MODES, 3, 3)), np.zeros((MODES, 3)), np.full(MODES, np.inf)
     gate2 = (_SEARCH_WIDENING * config.gate_sigma) ** 2
-    every = len(data.X) <= config.enumerate_up_to
-    search(
-        data.X, data.xy, ray_info, side, gate2, every, config.max_samples, config.confidence, config.seed,
-        modes_R, modes_t, costs,
-    )  # fmt: skip
+    search(data.X, data.xy, ray_info, side, gate2, modes_R, modes_t, costs)
     return modes_R, modes_t, costs
 
 
-def _d2(R: np.ndarray, t: np.ndarray, data: Correspondences, info: np.ndarray, side: float = 1.0) -> np.ndarray:
+def _d2(
+    R: Rotation3x3, t: Vector3, data: Correspondences, info: PixelInformation, side: float = 1.0
+) -> Float[np.ndarray, "used"]:
     d2 = np.empty(len(data.X))
     distances(R, t, data.X, data.pixels, info, data.lens, side, d2)
     return d2

@@ -23,6 +23,7 @@ from proxnav.records import PoseResult
 
 _DEFAULTS = PoseConfig()
 _FAR_APART = 16.0  # squared 4 sigma: a rival closer than this is covered by the covariance
+_LEAST_GAP = 4.0  # of the squared normalised errors to a rival, odds of 7 to 1: a smaller one is ambiguous
 _MIRROR_MARGIN = 25.0  # squared 5 sigma
 _MIRROR_RATIO = 1e-4  # a hundred times smaller residuals: exact data
 
@@ -66,7 +67,7 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
         return PoseResult.failure("no_consensus", len(data.keep))
     # Without given covariances the noise is what the residuals show, so exact data tell exact rivals apart.
     noise2 = min(1.0, max(reduced, 1e-9)) if noise_unknown else 1.0
-    if _is_ambiguous(fit, covariance, config.ambiguity * noise2):
+    if _is_ambiguous(fit, covariance, _LEAST_GAP * noise2):
         return PoseResult.failure("no_consensus", len(data.keep))
     if _belongs_behind(fit, data, config):
         return PoseResult.failure("behind_camera", len(data.keep))

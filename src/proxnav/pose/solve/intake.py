@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from numpy.typing import ArrayLike
 
 from proxnav.errors import InputError
@@ -12,6 +12,8 @@ from proxnav.geometry.compiled.lens import lens_numbers, undistort_pixels
 from proxnav.geometry.types import Flags
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.kernels.intake import admit
+
+_MARGIN = 1.0  # keypoints further outside the image than this many image sizes are left out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,16 +24,16 @@ class Correspondences:
     """Points minus `centroid`, target axes [m]."""
     pixels: Float[np.ndarray, "used 2"]
     xy: Float[np.ndarray, "used 2"]
-    """Undistorted: where the ray meets the plane z = 1."""
+    """Where the ray meets the plane z = 1."""
     covariances: Float[np.ndarray, "used 2 2"]
     keep: Flags
     """Which of the given points these are."""
-    label: np.ndarray
-    """(used,) points at the same place share a number."""
+    label: Int[np.ndarray, "used"]
+    """Points at the same place share a number."""
     places: int
     """Number of distinct places."""
     centroid: Float[np.ndarray, "3"]
-    lens: Float[np.ndarray, "10"]
+    lens: Float[np.ndarray, "lens=10"]
     image_px2: float
     """Area of the image."""
 
@@ -52,9 +54,7 @@ def correspondences(
     covariances = _covariances(covariances_px2, n, config.sigma_px)
     keep, label = np.empty(n, dtype=bool), np.empty(n, dtype=np.int64)
     size = float(camera.width), float(camera.height)
-    kept, places = admit(
-        points, pixels, covariances, _scores(scores, n), config.min_score, *size, config.view_margin, keep, label
-    )
+    kept, places = admit(points, pixels, covariances, _scores(scores, n), config.min_score, *size, _MARGIN, keep, label)
     xy, lens = np.empty((n, 2)), lens_numbers(camera)
     undistort_pixels(pixels, lens, xy)
     seen = ~np.isnan(xy[:, 0])
@@ -95,7 +95,7 @@ def _scores(values: ArrayLike | None, n: int) -> Float[np.ndarray, "n"]:
     return array
 
 
-def as_flags(count: int, index: np.ndarray) -> Bool[np.ndarray, "count"]:
+def as_flags(count: int, index: Int[np.ndarray, "chosen"]) -> Bool[np.ndarray, "count"]:
     """`count` flags, those in `index` set."""
     flags = np.zeros(count, dtype=bool)
     flags[index] = True

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import frozen
@@ -25,14 +26,13 @@ class KeypointRecord:
     """The keypoints of one image, corner origin."""
 
     filename: str
-    pixels: np.ndarray
-    """(n, 2) [px]; NaN where not found."""
-    scores: np.ndarray
-    """(n,)."""
-    covariances_px2: np.ndarray | None
-    """(n, 2, 2) [px^2], where the file has them."""
+    pixels: Float[np.ndarray, "n 2"]
+    """NaN where not found [px]."""
+    scores: Float[np.ndarray, "n"]
+    covariances_px2: Float[np.ndarray, "n 2 2"] | None
+    """Where the file has them [px^2]."""
     score: float
-    """Of the detection as a whole."""
+    """Score of the detection as a whole."""
 
     def __post_init__(self) -> None:
         n = len(self.pixels)
@@ -94,7 +94,7 @@ def _image_name(image_id: Any, names: Mapping[Any, str], where: str) -> str:
     return names.get(image_id, str(image_id))
 
 
-def _covariances(values: Any, n: int, where: str) -> np.ndarray | None:
+def _covariances(values: Any, n: int, where: str) -> Float[np.ndarray, "n 2 2"] | None:
     if values is None:
         return None
     array = _numbers(values, where, "covariances_px2")
@@ -105,7 +105,7 @@ def _covariances(values: Any, n: int, where: str) -> np.ndarray | None:
     return array.reshape(n, 2, 2)
 
 
-def _numbers(values: Any, where: str, key: str) -> np.ndarray:
+def _numbers(values: Any, where: str, key: str) -> Float[np.ndarray, "numbers"]:
     try:
         return np.array(values, dtype=np.float64).ravel()
     except (TypeError, ValueError, OverflowError):

@@ -10,6 +10,7 @@ from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.consensus import Fit, agrees, fit_consensus
 from proxnav.pose.solve.intake import Correspondences
 
+_MAX_SIGMA_PX = 8.0  # most noise that is taken
 _FEW = 11  # below this the median of the residuals says little: up to a third of the points may be wrong
 _LARGEST_NOISE_SHARE = 0.05  # of the spread of the points in the image: more would make any cloud of points agree
 _MEDIAN_D2 = 2.0 * np.log(2.0)  # median of chi-square with 2 degrees of freedom
@@ -61,7 +62,7 @@ def _refitted(fit: Fit, scale: float, largest: float, data: Correspondences, con
 
 def _ladder(data: Correspondences, config: PoseConfig) -> list[float]:
     """Multiples of `config.sigma_px`: 1, 2, 4 ..."""
-    largest = config.max_sigma_px / config.sigma_px
+    largest = _MAX_SIGMA_PX / config.sigma_px
     spread_px = float(np.sqrt(data.pixels.var(axis=0).sum()))
     sensible = _LARGEST_NOISE_SHARE * spread_px / config.sigma_px
     scales = [1.0]
@@ -78,5 +79,5 @@ def _surprise(fit: Fit, data: Correspondences, scale: float, config: PoseConfig)
 
 
 def _spread_cost(scale: float, config: PoseConfig) -> float:
-    """Of one inlier with no error."""
+    """-2 log likelihood of one inlier with no error."""
     return 2.0 * float(np.log(2.0 * np.pi * (scale * config.sigma_px) ** 2))

@@ -10,6 +10,9 @@ from proxnav.pose.solve.kernels.p3p import p3p
 from proxnav.pose.solve.kernels.refinement import distances, refine
 from proxnav.pose.solve.kernels.weights import squared
 
+ENUMERATED = 10  # up to this many keypoints all three-point subsets are tried, beyond it subsets are drawn
+MAX_SAMPLES = 1000  # most subsets drawn
+CONFIDENCE = 0.9999  # probability of having drawn one subset of inliers, at which drawing stops
 MODES = 4  # candidate poses kept after the search
 MODE_TRACE = 1.0 + 2.0 * math.cos(math.radians(15.0))  # candidates nearer than this are one mode
 SAME_TRACE = 1.0 + 2.0 * math.cos(math.radians(5.0))  # refined poses nearer than this are one optimum
@@ -51,12 +54,16 @@ def _keep(R, t, cost, modes_R, modes_t, costs):
 
 
 @kernel
-def search(X, xy, ray_info, side, gate2, every, max_samples, confidence, seed, modes_R, modes_t, costs):
-    """Poses of three-point subsets, all of them (`every`) or drawn until enough, sorted into distinct modes."""
+def search(X, xy, ray_info, side, gate2, modes_R, modes_t, costs):
+    """Poses of three-point subsets, all of them or drawn until enough, sorted into distinct modes; how many were tried.
+
+    The draw is the same for the same number of points.
+    """
     n = len(X)
+    every = n <= ENUMERATED
     rays, three = np.empty((3, 3)), np.empty((3, 3))
     Rs, ts, picks = np.empty((4, 3, 3)), np.empty((4, 3)), np.array([0, 1, 2])
-    state, needed, drawn, best = np.uint64(2 * seed + 1), max_samples, 0, np.inf
+    state, needed, drawn, best = np.uint64(1), MAX_SAMPLES, 0, np.inf
     while every or drawn < needed:
         if not every:
             for m in range(3):
@@ -79,7 +86,7 @@ def search(X, xy, ray_info, side, gate2, every, max_samples, confidence, seed, m
                 best = cost
                 share = max(0.0, 1.0 - cost / (n * gate2))  # at most the inlier share
                 miss = math.log(max(1e-12, 1.0 - share**3))
-                needed = min(needed, max(30, int(math.log(1.0 - confidence) / min(miss, -1e-12)) + 1))
+                needed = min(needed, max(30, int(math.log(1.0 - CONFIDENCE) / min(miss, -1e-12)) + 1))
         drawn += 1
         if every:
             picks[2] += 1
