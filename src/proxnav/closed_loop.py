@@ -53,7 +53,7 @@ def frame_times(truth: Truth, config: ClosedLoopConfig) -> Int[np.ndarray, "n_fr
     """Indices of the truth at which the camera takes a frame."""
     if not config.rate_hz > 0.0:
         raise InputError(f"the camera's rate must be positive, found {config.rate_hz:g} Hz")
-    return np.arange(0, len(truth), max(1, round(1.0 / (config.rate_hz * truth.step_s))))
+    return truth.every(config.rate_hz)
 
 
 def closed_loop(

@@ -4,7 +4,6 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from proxnav.flight.sensors.camera import DetectorConfig
 
 from proxnav.evaluation.navigation_errors import NavErrors, nav_errors
 from proxnav.flight.simulate import SensingConfig, SimulationConfig, simulate
@@ -19,7 +18,7 @@ from proxnav.targets.loading import load_target
 from proxnav.trajectories import HoldConfig, hold
 
 CAMERA = Camera(width=1024, height=1024, fx=1407.0, fy=1407.0, cx=512.0, cy=512.0)
-SENSING = SensingConfig(detector=DetectorConfig(occlusion=False))
+SENSING = SensingConfig()
 TIGHT = NavigationConfig(coupling="tight")
 
 

@@ -13,6 +13,7 @@ from navigation.orbits import target_at
 from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors
 from proxnav.flight.attitude_motion import mean_rates
 from proxnav.flight.orbit_forces import ForceConfig, fly
+from proxnav.flight.sensors.detector import DetectorConfig
 from proxnav.flight.simulate import SensingConfig, sense
 from proxnav.flight.truth import Truth
 from proxnav.flight.truth_files import true_states

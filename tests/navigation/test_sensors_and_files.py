@@ -12,9 +12,10 @@ from proxnav.cli.main import main
 from proxnav.datasets.sensor_records.files import read_records, write_records
 from proxnav.errors import InputError
 from proxnav.flight.attitude_motion import WobbleConfig, wobble
-from proxnav.flight.sensors.fixes import CARRIER_GNSS, GnssConfig, StarTrackerConfig, read_gnss, read_star_tracker
 from proxnav.flight.sensors.gauss_markov import gauss_markov
+from proxnav.flight.sensors.gnss import CARRIER_GNSS, GnssConfig, read_gnss
 from proxnav.flight.sensors.inertial import AccelerometerConfig, GyroConfig, read_accelerometer, read_gyro
+from proxnav.flight.sensors.star_tracker import StarTrackerConfig, read_star_tracker
 from proxnav.flight.truth import Truth
 from proxnav.flight.truth_files import read_truth, true_states, write_truth
 from proxnav.geometry import quaternion, so3

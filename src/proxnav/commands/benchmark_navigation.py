@@ -16,7 +16,7 @@ from proxnav.benchmarks.run_files import fingerprint, read_runs, write_runs
 from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL, run_anywhere
 from proxnav.flight.faults import Fault
-from proxnav.flight.sensors.fixes import StarTrackerConfig
+from proxnav.flight.sensors.star_tracker import StarTrackerConfig
 from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
 from proxnav.flight.truth import TruthConfig
 from proxnav.missions import fly, load_mission

@@ -11,6 +11,9 @@ from proxnav.geometry import quaternion
 from proxnav.geometry.types import QuatWxyz, Vector3
 
 DAMPING = 0.7
+"""Damping of the control loop, as it is designed: fast without much overshoot."""
+_Q, _W = slice(0, 4), slice(4, 7)
+"""Places of attitude and rate in the state of a free body."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,7 @@ class WobbleConfig:
     sigma_deg: float
     """Standard deviation per axis."""
     period_s: float
-    """Of the control loop."""
+    """Natural period of the control loop."""
 
     @property
     def rate_density(self) -> float:
@@ -47,14 +50,13 @@ def tumble(
     """Attitude of a free body from its first attitude and rate (body axes); `inertia` up to a common factor."""
     J = np.array(inertia)
 
-    def rates(_: float, y: np.ndarray) -> np.ndarray:
-        w = y[4:]
-        return np.concatenate([_half_product(y[:4], w), euler_acceleration(w, J)])
+    def rates(_: float, y: Float[np.ndarray, "7"]) -> Float[np.ndarray, "7"]:
+        return np.concatenate([_half_product(y[_Q], y[_W]), euler_acceleration(y[_W], J)])
 
     found = solve_ivp(
         rates, (t[0], t[-1]), np.concatenate([q_eci_target, rate]), method="DOP853", rtol=1e-10, atol=1e-12, t_eval=t
     )
-    return quaternion.normalize(found.y[:4].T)
+    return quaternion.normalize(found.y[_Q].T)
 
 
 def euler_acceleration(w: Vector3, J: Float[np.ndarray, "3"]) -> Vector3:
@@ -68,5 +70,6 @@ def mean_rates(q_a_b: Float[np.ndarray, "n wxyz=4"], dt: float) -> Float[np.ndar
     return np.concatenate([turns[:1], turns])
 
 
-def _half_product(q: np.ndarray, w: np.ndarray) -> np.ndarray:
+def _half_product(q: QuatWxyz, w: Vector3) -> QuatWxyz:
+    """Derivative of q that turns with w, body axes."""
     return 0.5 * quaternion.multiply(q, np.concatenate([[0.0], w]))

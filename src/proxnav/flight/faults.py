@@ -2,16 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal, TypeVar
 
 import numpy as np
+from jaxtyping import Bool, Int
 
+from proxnav.errors import InputError
 from proxnav.geometry import quaternion
-from proxnav.records import KeypointData, PoseData, SensorRecords
+from proxnav.geometry.arrays import unit
+from proxnav.records import GnssData, KeypointData, PoseData, SensorRecords, StarTrackerData
 
 Fault = Literal[
     "none", "wrong_frames", "camera_lost", "gnss_lost", "gyro_step", "late_camera", "disorder", "half_orbit_dark"
 ]
+
+_Data = TypeVar("_Data", GnssData, KeypointData, PoseData, StarTrackerData)
 
 WRONG_SHARE = 0.3
 GYRO_STEP_DEG_H = 200.0
@@ -33,7 +38,8 @@ def _unchanged(records: SensorRecords, _: np.random.Generator) -> SensorRecords:
 def _wrong_frames(records: SensorRecords, rng: np.random.Generator) -> SensorRecords:
     """In three of ten frames the detector swaps keypoints, and the pose is wrong by 3 m and 40 deg."""
     k, p = records.keypoints, records.poses
-    assert k is not None
+    if k is None:
+        raise InputError("the fault wrong_frames swaps keypoints, but these records have none: choose another fault")
     bad = rng.random(len(k.t)) < WRONG_SHARE
     pixels = k.pixels.copy()
     for i in np.flatnonzero(bad):
@@ -43,9 +49,9 @@ def _wrong_frames(records: SensorRecords, rng: np.random.Generator) -> SensorRec
     if p is None:
         return out
     wrong = np.isin(p.t, k.t[bad])
-    turn = quaternion.exp(np.deg2rad(40.0) * _unit(rng.normal(size=(len(p.t), 3))))
+    turn = quaternion.exp(np.deg2rad(40.0) * unit(rng.normal(size=(len(p.t), 3))))
     q = np.where(wrong[:, None], quaternion.multiply(turn, p.q_cam_target), p.q_cam_target)
-    shift = 3.0 * _unit(rng.normal(size=(len(p.t), 3)))
+    shift = 3.0 * unit(rng.normal(size=(len(p.t), 3)))
     return replace(out, poses=replace(p, q_cam_target=q, t_cam_target_m=p.t_cam_target_m + shift * wrong[:, None]))
 
 
@@ -53,7 +59,7 @@ def _without_camera(seconds: float) -> Callable[[SensorRecords, np.random.Genera
     def apply(records: SensorRecords, _: np.random.Generator) -> SensorRecords:
         first = _onset(records)
 
-        def cut(data: KeypointData | PoseData | None) -> Any:
+        def cut(data: _Data | None) -> _Data | None:
             return None if data is None else rows(data, (data.t < first) | (data.t > first + seconds))
 
         return replace(records, keypoints=cut(records.keypoints), poses=cut(records.poses))
@@ -68,13 +74,14 @@ def _gnss_lost(records: SensorRecords, _: np.random.Generator) -> SensorRecords:
 
 def _gyro_step(records: SensorRecords, rng: np.random.Generator) -> SensorRecords:
     g = records.gyro
-    assert g is not None
-    jump = np.deg2rad(GYRO_STEP_DEG_H) / 3600.0 * _unit(rng.normal(size=3))
+    if g is None:
+        raise InputError("the fault gyro_step needs a gyro, but these records have none: choose another fault")
+    jump = np.deg2rad(GYRO_STEP_DEG_H) / 3600.0 * unit(rng.normal(size=3))
     return replace(records, gyro=replace(g, rate=g.rate + jump * (g.t > _onset(records))[:, None]))
 
 
 def _late_camera(records: SensorRecords, _: np.random.Generator) -> SensorRecords:
-    def later(data: Any) -> Any:
+    def later(data: _Data | None) -> _Data | None:
         return None if data is None else replace(data, received=data.t + LATE_S)
 
     return replace(records, keypoints=later(records.keypoints), poses=later(records.poses))
@@ -83,7 +90,7 @@ def _late_camera(records: SensorRecords, _: np.random.Generator) -> SensorRecord
 def _disorder(records: SensorRecords, rng: np.random.Generator) -> SensorRecords:
     """Every fifth message comes twice, and all take between nothing and three seconds."""
 
-    def shaken(data: Any) -> Any:
+    def shaken(data: _Data | None) -> _Data | None:
         if data is None:
             return None
         n = len(data.t)
@@ -92,8 +99,10 @@ def _disorder(records: SensorRecords, rng: np.random.Generator) -> SensorRecords
         copied = replace(copied, received=copied.t + rng.uniform(0.0, 3.0, size=len(twice)))
         return rows(copied, np.argsort(copied.received))
 
-    names = ("keypoints", "poses", "gnss", "star_tracker")
-    return replace(records, **{name: shaken(getattr(records, name)) for name in names})
+    return replace(
+        records, keypoints=shaken(records.keypoints), poses=shaken(records.poses), gnss=shaken(records.gnss),
+        star_tracker=shaken(records.star_tracker),
+    )  # fmt: skip
 
 
 FAULTS: dict[Fault, Callable[[SensorRecords, np.random.Generator], SensorRecords]] = {
@@ -108,7 +117,7 @@ FAULTS: dict[Fault, Callable[[SensorRecords, np.random.Generator], SensorRecords
 }
 
 
-def rows(data: Any, index: np.ndarray) -> Any:
+def rows(data: _Data, index: Bool[np.ndarray, "n"] | Int[np.ndarray, "m"]) -> _Data:
     """The same record with some of its rows."""
     return type(data)(*(getattr(data, name)[index] for name in data.__dataclass_fields__))
 
@@ -116,7 +125,3 @@ def rows(data: Any, index: np.ndarray) -> Any:
 def _onset(records: SensorRecords) -> float:
     t = records.ephemeris.t
     return float(t.min() + min(0.25 * (t.max() - t.min()), ONSET_S))
-
-
-def _unit(v: np.ndarray) -> np.ndarray:
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)

@@ -8,10 +8,22 @@ from jaxtyping import Float
 from scipy.integrate import solve_ivp
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_J2, EARTH_RATE, MU_EARTH
+from proxnav.geometry.relative_motion import POSITION, VELOCITY
 from proxnav.geometry.types import Vector3
 
 Pair = Float[np.ndarray, "12"]
-"""r, v of the target, then r, v of the chaser, in ECI [m, m/s]."""
+"""States of target and chaser in ECI [m, m/s]."""
+R_TARGET, V_TARGET, R_CHASER, V_CHASER = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12)
+"""Places in a `Pair`."""
+
+TARGET_DRAG = 3.6e-3
+"""Cd A / m of the target [m^2/kg]: 2.2 * 8 m^2 / 4900 kg."""
+CHASER_DRAG = 5.5e-3
+"""Cd A / m of the chaser [m^2/kg]: 2.2 * 0.06 m^2 / 24 kg."""
+_DENSITY_ALTITUDE_M, _SCALE_HEIGHT_M = 400e3, 60e3
+"""Air at the altitude of both craft, and how it thins."""
+_RTOL, _ATOL = 1e-12, 1e-6
+"""Tolerances of the integrator (DOP853): rounding stays below a micrometre over a revolution."""
 
 
 @dataclass(frozen=True)
@@ -19,16 +31,8 @@ class ForceConfig:
     """The true forces; a filter that knows them would be testing itself."""
 
     j2: bool = True
-    target_drag_m2_per_kg: float = 3.6e-3
-    """Cd A / m of the target: 2.2 * 8 m^2 / 4900 kg."""
-    chaser_drag_m2_per_kg: float = 5.5e-3
-    """Cd A / m of the chaser: 2.2 * 0.06 m^2 / 24 kg."""
     density_kg_m3: float = 4e-12
-    """Of the air at `density_altitude_m`; it turns with Earth."""
-    density_altitude_m: float = 400e3
-    scale_height_m: float = 60e3
-    rtol: float = 1e-12
-    """Of the integrator (DOP853), relative."""
+    """Density of the air at 400 km, which turns with Earth."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,7 @@ def acceleration(r: Vector3, v: Vector3, drag_m2_per_kg: float, config: ForceCon
 def drag(r: Vector3, v: Vector3, drag_m2_per_kg: float, config: ForceConfig) -> Vector3:
     """Deceleration by air that turns with Earth, exponential in altitude [m/s^2]."""
     altitude = np.sqrt(np.sum(r * r, axis=-1, keepdims=True)) - EARTH_EQUATORIAL_RADIUS
-    density = config.density_kg_m3 * np.exp(-(altitude - config.density_altitude_m) / config.scale_height_m)
+    density = config.density_kg_m3 * np.exp(-(altitude - _DENSITY_ALTITUDE_M) / _SCALE_HEIGHT_M)
     wind = v - EARTH_RATE * np.stack([-r[..., 1], r[..., 0], np.zeros_like(r[..., 0])], axis=-1)
     return -0.5 * drag_m2_per_kg * density * np.sqrt(np.sum(wind * wind, axis=-1, keepdims=True)) * wind
 
@@ -77,9 +81,9 @@ def fly(
     return out
 
 
-def _arcs(start: float, end: float, burns: Sequence[Burn]) -> list[tuple[float, np.ndarray]]:
-    """(end, thrust) of each piece of constant thrust."""
-    pieces: list[tuple[float, np.ndarray]] = []
+def _arcs(start: float, end: float, burns: Sequence[Burn]) -> list[tuple[float, Vector3]]:
+    """(end [s], thrust [m/s^2]) of each piece of constant thrust."""
+    pieces: list[tuple[float, Vector3]] = []
     at, none = start, np.zeros(3)
     for burn in burns:
         first, last = max(burn.start_s, at), min(burn.end_s, end)
@@ -100,25 +104,19 @@ def _arc(
     """States at `t` within one arc, and at its end."""
     if end <= start:
         return np.repeat(state[None], len(t), axis=0), state
-    B = np.array([config.target_drag_m2_per_kg, config.chaser_drag_m2_per_kg])[:, None]
-    push = np.stack([np.zeros(3), thrust])
+    B, push = np.array([[TARGET_DRAG], [CHASER_DRAG]]), np.stack([np.zeros(3), thrust])
 
-    def rates(_: float, y: np.ndarray) -> np.ndarray:
-        pair = y.reshape(2, 6)
-        a = _accelerations(pair[:, :3], pair[:, 3:], B, config) + push
-        return np.concatenate([pair[:, 3:], a], axis=1).ravel()
+    def rates(_: float, y: Pair) -> Pair:
+        r, v = y.reshape(2, 6)[:, POSITION], y.reshape(2, 6)[:, VELOCITY]
+        a = acceleration(r, v, 0.0, config) + B * drag(r, v, 1.0, config) + push
+        return np.concatenate([v, a], axis=1).ravel()
 
-    found = solve_ivp(rates, (start, end), state, method="DOP853", rtol=config.rtol, atol=1e-6, dense_output=len(t) > 0)
+    found = solve_ivp(rates, (start, end), state, method="DOP853", rtol=_RTOL, atol=_ATOL, dense_output=len(t) > 0)
     reached = found.sol(np.clip(t, start, end)).T if len(t) else np.empty((0, 12))
     return reached, found.y[:, -1]
 
 
-def _accelerations(r: np.ndarray, v: np.ndarray, B: np.ndarray, config: ForceConfig) -> np.ndarray:
-    unit_drag = drag(r, v, 1.0, config)
-    return acceleration(r, v, 0.0, config) + B * unit_drag
-
-
-def _j2(r: np.ndarray, radius2: np.ndarray, radius: np.ndarray) -> np.ndarray:
+def _j2(r: Vector3, radius2: Float[np.ndarray, "*#batch 1"], radius: Float[np.ndarray, "*#batch 1"]) -> Vector3:
     """Montenbruck and Gill, "Satellite Orbits", eq. 3.32 with only C20."""
     k = 1.5 * EARTH_J2 * MU_EARTH * EARTH_EQUATORIAL_RADIUS**2 / (radius2**2 * radius)
     z2 = 5.0 * r[..., 2:] ** 2 / radius2

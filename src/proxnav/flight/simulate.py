@@ -5,18 +5,11 @@ from typing import Literal
 
 import numpy as np
 
-from proxnav.flight.sensors.camera import DetectorConfig, read_keypoints, read_poses
-from proxnav.flight.sensors.fixes import (
-    CARRIER_GNSS,
-    CODE_GNSS,
-    EphemerisConfig,
-    GnssConfig,
-    StarTrackerConfig,
-    read_ephemeris,
-    read_gnss,
-    read_star_tracker,
-)
+from proxnav.flight.sensors.detector import DetectorConfig, read_keypoints, read_poses
+from proxnav.flight.sensors.ephemeris import read_ephemeris
+from proxnav.flight.sensors.gnss import CARRIER_GNSS, CODE_GNSS, read_gnss
 from proxnav.flight.sensors.inertial import AccelerometerConfig, GyroConfig, read_accelerometer, read_gyro
+from proxnav.flight.sensors.star_tracker import StarTrackerConfig, read_star_tracker
 from proxnav.flight.truth import Truth, TruthConfig, simulate_truth
 from proxnav.geometry import Camera
 from proxnav.records import SensorRecords, Trajectory
@@ -37,9 +30,6 @@ class SensingConfig:
     star_tracker: StarTrackerConfig = field(default_factory=StarTrackerConfig)
     gnss: Grade = "code"
     """Relative GNSS by pseudoranges, by carrier phase, or none."""
-    gnss_model: GnssConfig | None = None
-    """Overrides the grade's numbers."""
-    ephemeris: EphemerisConfig = field(default_factory=EphemerisConfig)
 
 
 @dataclass(frozen=True)
@@ -64,10 +54,10 @@ def sense(
     """Readings of all sensors; each draws from a stream of its own, so that leaving one out changes no other."""
     streams = rng.spawn(7)
     keypoints = read_keypoints(truth, target, camera, config.detector, streams[0])
-    gnss = config.gnss_model or _GRADES.get(config.gnss)
+    gnss = _GRADES.get(config.gnss)
     return SensorRecords(
         epoch_utc=truth.epoch_utc,
-        ephemeris=read_ephemeris(truth, config.ephemeris, streams[1]),
+        ephemeris=read_ephemeris(truth, streams[1]),
         gyro=read_gyro(truth, config.gyro, streams[2]) if config.gyro else None,
         accelerometer=read_accelerometer(truth, config.accelerometer, streams[3]) if config.accelerometer else None,
         gnss=read_gnss(truth, gnss, streams[4]) if gnss else None,

@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.datasets.sensor_records.files import read_columns
 from proxnav.errors import InputError
@@ -17,16 +18,23 @@ COLUMNS = (
     *vector_columns("rate_target", "rad_s"),
 )  # fmt: skip
 
+_BLOCKS = (1, 4, 7, 11)
+"""Where position, velocity, attitude and rate begin among them."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrueStates:
     """What the filter estimates, as it is, at n increasing instants."""
 
-    t: np.ndarray
-    r_ric_m: np.ndarray
-    v_ric_mps: np.ndarray
-    q_cam_target: np.ndarray
-    rate_target: np.ndarray
+    t: Float[np.ndarray, "n"]
+    """Seconds since the epoch."""
+    r_ric_m: Float[np.ndarray, "n 3"]
+    """Chaser relative to the target, RIC axes."""
+    v_ric_mps: Float[np.ndarray, "n 3"]
+    """Rate of that position in the rotating RIC frame."""
+    q_cam_target: Float[np.ndarray, "n wxyz=4"]
+    rate_target: Float[np.ndarray, "n 3"]
+    """Inertial rate of the target, target axes [rad/s]."""
 
     def __post_init__(self) -> None:
         n = len(self.t)
@@ -34,7 +42,7 @@ class TrueStates:
             shape = {"t": (n,), "q_cam_target": (n, 4)}.get(f.name, (n, 3))
             object.__setattr__(self, f.name, frozen(getattr(self, f.name), shape, f.name))
 
-    def at(self, t: np.ndarray) -> "TrueStates":
+    def at(self, t: Float[np.ndarray, "m"]) -> "TrueStates":
         """Interpolated at `t`: linear, and along the great arc for the attitude. InputError outside the span."""
         t = np.asarray(t, dtype=np.float64)
         if len(t) and (t.min() < self.t[0] - 1e-6 or t.max() > self.t[-1] + 1e-6):
@@ -45,21 +53,21 @@ class TrueStates:
         f = np.clip((t - self.t[k]) / (self.t[k + 1] - self.t[k]), 0.0, 1.0)
         q = quaternion.slerp(self.q_cam_target[k], self.q_cam_target[k + 1], f)
 
-        def mixed(x: np.ndarray) -> np.ndarray:
+        def mixed(x: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3"]:
             return x[k] + f[:, None] * (x[k + 1] - x[k])
 
         return TrueStates(t, mixed(self.r_ric_m), mixed(self.v_ric_mps), q, mixed(self.rate_target))
 
 
 def true_states(truth: Truth, every: int = 1) -> TrueStates:
-    """Of every so many-th sample."""
+    """True states at every so many-th sample."""
     rho, rho_dot = truth.relative
     k = slice(None, None, every)
     return TrueStates(truth.t[k], rho[k], rho_dot[k], truth.q_cam_target[k], truth.rate_target[k])
 
 
 def write_truth(path: Path, states: TrueStates) -> None:
-    """As csv with `COLUMNS`."""
+    """Csv with `COLUMNS`."""
     rows = np.c_[states.t, states.r_ric_m, states.v_ric_mps, states.q_cam_target, states.rate_target]
     write_rows(path, [COLUMNS, *rows.tolist()])
 
@@ -69,4 +77,5 @@ def read_truth(path: Path) -> TrueStates:
     rows = read_columns(path, COLUMNS)
     if len(rows) < 2 or not np.isfinite(rows).all() or (np.diff(rows[:, 0]) <= 0).any():
         raise InputError(f"{path}: the truth needs two rows or more of finite numbers at increasing times")
-    return TrueStates(rows[:, 0], rows[:, 1:4], rows[:, 4:7], rows[:, 7:11], rows[:, 11:14])
+    t, r, v, q, rate = np.split(rows, _BLOCKS, axis=1)
+    return TrueStates(t[:, 0], r, v, q, rate)

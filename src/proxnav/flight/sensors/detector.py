@@ -3,18 +3,23 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from proxnav.errors import InputError
-from proxnav.flight.sensors.fixes import every
 from proxnav.flight.sensors.gauss_markov import gauss_markov
 from proxnav.flight.truth import Truth
-from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry import Camera, quaternion
+from proxnav.geometry.perturbation import ROTATION, TRANSLATION
 from proxnav.geometry.pose_jacobian import pose_jacobians_target_axes
+from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.records import KeypointData, PoseData
 from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
-from proxnav.targets.keypoints.visibility import visible_keypoints
 from proxnav.targets.target import Target
+
+_LATENCY_S = (0.3, 0.6)
+"""Least and most, uniform: network, pose solver and alignment on a small computer."""
+_LEAST_POINTS = 4
+"""Frames with fewer keypoints in the image are not reported: they give no pose."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +38,7 @@ class DetectorConfig:
     pose_sigma_m: float = 0.025
     """... and this much on the target."""
     pose_errors: PoseErrorModel = field(default_factory=PoseErrorModel)
-    latency_s: tuple[float, float] = (0.3, 0.6)
-    occlusion: bool = False
-    """Keypoints behind the target's own body are not reported; the shipped detector reports them, as good as others."""
-    least_points: int = 4
-    """Frames with fewer keypoints in the image are not reported."""
+    """What of the pose's claimed covariance is really there, and how long it lasts."""
 
     def __post_init__(self) -> None:
         for px, m in ((self.sigma_px, self.sigma_m), (self.pose_sigma_px, self.pose_sigma_m)):
@@ -46,37 +47,42 @@ class DetectorConfig:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Views:
-    """The target as n frames see it."""
+class _Sightings:
+    """The target as n frames see it. Keypoints behind its own body are seen: the shipped detector reports them."""
 
-    t_m: np.ndarray
-    q: np.ndarray
-    pixels: np.ndarray
-    """(n, k, 2), NaN outside the image."""
-    J: np.ndarray
-    """(n, k, 2, 6) pixels by (dt in camera axes, dr in target axes)."""
+    q: Float[np.ndarray, "n wxyz=4"]
+    """q_cam_target."""
+    t_m: Float[np.ndarray, "n 3"]
+    """The target's origin in the camera frame."""
+    pixels: Float[np.ndarray, "n n_keypoints 2"]
+    """NaN outside the image."""
+    J: Float[np.ndarray, "n n_keypoints 2 6"]
+    """Pixels by (dt in camera axes, dr in target axes); zero outside the image."""
+
+    @property
+    def range_m(self) -> Float[np.ndarray, "n"]:
+        """Distance from the camera."""
+        return np.linalg.norm(self.t_m, axis=1)
 
 
 def read_keypoints(
     truth: Truth, target: Target, camera: Camera, config: DetectorConfig, rng: np.random.Generator
 ) -> KeypointData:
     """Keypoints at the camera's rate, each with the covariance that the detector claims."""
-    k = every(truth, config.rate_hz)
+    k = truth.every(config.rate_hz)
     dt = truth.step_s * float(k[1] - k[0]) if len(k) > 1 else 1.0
-    views, errors, n = _views(truth.q_cam_target[k], truth.t_cam_target_m[k], target, camera), config.errors, len(k)
-    sigma = np.hypot(config.sigma_px, config.sigma_m * camera.fx / np.linalg.norm(views.t_m, axis=1))
-    seen = np.isfinite(views.pixels[..., 0])
-    if config.occlusion:
-        seen &= np.array([_unhidden(target, q, t) for q, t in zip(views.q, views.t_m, strict=True)])
-    displaced = _lasting(truth.t[k], np.sqrt(errors.pose_share) * _pose_roots(views, sigma), errors.tau_s, rng)
-    q = quaternion.multiply(views.q, quaternion.exp(displaced[:, 3:]))
-    apparent = _views(q, views.t_m + displaced[:, :3], target, camera, cut=False)
-    own = gauss_markov(np.sqrt(errors.point_share), errors.tau_s, dt, views.pixels.shape, rng)
-    own = own + np.sqrt(errors.white_share) * rng.normal(size=views.pixels.shape)
-    pixels = np.where(seen[..., None], apparent.pixels + sigma[:, None, None] * own, np.nan)
-    received = truth.t[k] + rng.uniform(*config.latency_s, size=n)
+    sight, errors, n = _sightings(truth, k, target, camera), config.errors, len(k)
+    sigma = np.hypot(config.sigma_px, config.sigma_m * camera.fx / sight.range_m)
+    seen = np.isfinite(sight.pixels[..., 0])
+    displaced = _lasting(truth.t[k], np.sqrt(errors.pose_share) * _pose_roots(sight, sigma), errors.tau_s, rng)
+    q = quaternion.multiply(sight.q, quaternion.exp(displaced[:, ROTATION]))
+    apparent = camera.project(_in_camera(q, sight.t_m + displaced[:, TRANSLATION], target))
+    own = gauss_markov(np.sqrt(errors.point_share), errors.tau_s, dt, sight.pixels.shape, rng)
+    own = own + np.sqrt(errors.white_share) * rng.normal(size=sight.pixels.shape)
+    pixels = np.where(seen[..., None], apparent + sigma[:, None, None] * own, np.nan)
+    received = truth.t[k] + rng.uniform(*_LATENCY_S, size=n)
     cov = np.where(seen[..., None, None], np.square(sigma)[:, None, None, None] * np.eye(2), np.nan)
-    keep = seen.sum(axis=1) >= config.least_points
+    keep = seen.sum(axis=1) >= _LEAST_POINTS
     order = np.argsort(received[keep])
     return KeypointData(*(column[keep][order] for column in (truth.t[k], received, pixels, cov)))
 
@@ -93,29 +99,30 @@ def read_poses(
     order = np.argsort(keypoints.t)
     t, errors = keypoints.t[order], config.pose_errors
     k = np.round((t - truth.t[0]) / truth.step_s).astype(int)
-    views = _views(truth.q_cam_target[k], truth.t_cam_target_m[k], target, camera)
-    distance = np.linalg.norm(views.t_m, axis=1)
-    roots = _pose_roots(views, np.hypot(config.pose_sigma_px, config.pose_sigma_m * camera.fx / distance))
+    sight = _sightings(truth, k, target, camera)
+    roots = _pose_roots(sight, np.hypot(config.pose_sigma_px, config.pose_sigma_m * camera.fx / sight.range_m))
     off = _lasting(t, np.sqrt(errors.lasting_share) * roots, errors.tau_s, rng)
     off = off + np.sqrt(errors.white_share) * np.einsum("nij,nj->ni", roots, rng.normal(size=off.shape))
-    q = quaternion.normalize(quaternion.multiply(views.q, quaternion.exp(off[:, 3:])))
+    q = quaternion.normalize(quaternion.multiply(sight.q, quaternion.exp(off[:, ROTATION])))
     A = np.tile(np.eye(6), (len(t), 1, 1))
-    A[:, 3:, 3:] = quaternion.to_matrix(q)
+    A[:, ROTATION, ROTATION] = quaternion.to_matrix(q)
     C = A @ roots @ np.swapaxes(A @ roots, -1, -2)
     back = np.argsort(order)
-    return PoseData(keypoints.t, keypoints.received, q[back], (views.t_m + off[:, :3])[back], C[back])
+    t_m = sight.t_m + off[:, TRANSLATION]
+    return PoseData(keypoints.t, keypoints.received, q[back], t_m[back], C[back])
 
 
-def _views(q: np.ndarray, t_m: np.ndarray, target: Target, camera: Camera, cut: bool = True) -> _Views:
-    pixels = camera.project(quaternion.rotate(q[:, None], target.keypoints_m[None]) + t_m[:, None])
-    if cut:
-        pixels[~camera.contains(pixels)] = np.nan
+def _sightings(truth: Truth, k: Int[np.ndarray, "n"], target: Target, camera: Camera) -> _Sightings:
+    q, t_m = truth.q_cam_target[k], truth.t_cam_target_m[k]
+    pixels = camera.project(_in_camera(q, t_m, target))
+    pixels[~camera.contains(pixels)] = np.nan
     J = pose_jacobians_target_axes(q, t_m, target.keypoints_m, camera)
-    return _Views(t_m, q, pixels, np.where(np.isnan(pixels)[..., None], 0.0, J))
+    return _Sightings(q, t_m, pixels, np.where(np.isnan(pixels)[..., None], 0.0, J))
 
 
-def _unhidden(target: Target, q: np.ndarray, t_m: np.ndarray) -> np.ndarray:
-    return visible_keypoints(target, Pose.from_wxyz("cam", "target", q, t_m))
+def _in_camera(q: QuatWxyz, t_m: Vector3, target: Target) -> Float[np.ndarray, "n n_keypoints 3"]:
+    """Keypoints in the camera frame [m]."""
+    return quaternion.rotate(q[:, None], target.keypoints_m[None]) + t_m[:, None]
 
 
 def _lasting(
@@ -129,9 +136,9 @@ def _lasting(
     return out
 
 
-def _pose_roots(views: _Views, sigma: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 6 6"]:
+def _pose_roots(sight: _Sightings, sigma: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 6 6"]:
     """Lower roots of the covariances of least-squares poses; frames of too few points get a wide one."""
-    H = np.einsum("nkai,nkaj->nij", views.J, views.J) / np.square(sigma)[:, None, None]
-    distance = np.linalg.norm(views.t_m, axis=1)[:, None]
-    wide = np.concatenate([np.repeat(1.0 / (0.3 * distance) ** 2, 3, axis=1), np.full((len(H), 3), 4.0)], axis=1)
+    H = np.einsum("nkai,nkaj->nij", sight.J, sight.J) / np.square(sigma)[:, None, None]
+    wide = np.full((len(H), 6), 4.0)
+    wide[:, TRANSLATION] = 1.0 / (0.3 * sight.range_m[:, None]) ** 2
     return np.linalg.cholesky(np.linalg.inv(H + wide[:, :, None] * np.eye(6)))

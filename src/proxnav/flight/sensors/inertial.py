@@ -9,6 +9,8 @@ from proxnav.flight.truth import Truth
 from proxnav.records import AccelerometerData, GyroData
 
 _DEG_PER_HOUR = np.pi / 180.0 / 3600.0
+_BIAS_TAU_S = 1000.0
+"""How long a wandering gyro bias lasts: where its Allan deviation is least."""
 _MORE_THAN_DRAG = 1e-5  # m/s^2
 
 
@@ -22,16 +24,10 @@ class GyroConfig:
     """Standard deviation of the constant bias."""
     bias_instability_deg_h: float = 0.5
     """Standard deviation of the wandering bias."""
-    bias_tau_s: float = 1000.0
-    """Its correlation time."""
     scale_sigma: float = 5e-4
     """Scale errors per axis."""
     misalignment_sigma_rad: float = 1e-3
     """Each axis against each other."""
-    bias_step_deg_h: float = 0.0
-    """A fault: the bias jumps by so much on every axis..."""
-    bias_step_at: float = 0.5
-    """... at this share of the run."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +46,8 @@ def read_gyro(truth: Truth, config: GyroConfig, rng: np.random.Generator) -> Gyr
     dt, n = truth.step_s, len(truth)
     M = config.misalignment_sigma_rad * rng.normal(size=(3, 3))
     np.fill_diagonal(M, config.scale_sigma * rng.normal(size=3))
-    bias = config.turn_on_bias_deg_h * rng.normal(size=3) + gauss_markov(
-        config.bias_instability_deg_h, config.bias_tau_s, dt, (n, 3), rng
-    )
-    bias[int(config.bias_step_at * n) :] += config.bias_step_deg_h
+    bias = config.turn_on_bias_deg_h * rng.normal(size=3)
+    bias = bias + gauss_markov(config.bias_instability_deg_h, _BIAS_TAU_S, dt, (n, 3), rng)
     noise = config.noise_rad_per_sqrt_s / np.sqrt(dt) * rng.normal(size=(n, 3))
     return GyroData(truth.t, truth.rate_cam @ (np.eye(3) + M).T + bias * _DEG_PER_HOUR + noise)
 
