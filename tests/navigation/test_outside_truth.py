@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from proxnav.flight.sensors.camera import DetectorConfig
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from navigation.flights import CAMERA, points
