@@ -131,7 +131,7 @@ def write_requests(target, samples: int, scenes: list) -> None:
     from proxnav.rendering.cycles import CyclesConfig, lens
     from proxnav.rendering.cycles.materials import paint_arrays
     from proxnav.rendering.cycles.mesh import mesh_arrays
-    from proxnav.rendering.cycles.renderer import render_request
+    from proxnav.rendering.cycles.renderer import OVERSAMPLING, render_request
     from proxnav.rendering.earth.imagery import _basemap_file
 
     FOLDER.mkdir(parents=True, exist_ok=True)
@@ -142,7 +142,7 @@ def write_requests(target, samples: int, scenes: list) -> None:
     config, frames = CyclesConfig(samples=samples), []
     for scene in scenes:
         whole = Window(0, 0, scene.camera.width, scene.camera.height)
-        pinhole = lens.pinhole_for(scene.camera, whole, config.oversampling)
+        pinhole = lens.pinhole_for(scene.camera, whole, OVERSAMPLING)
         assert pinhole is not None
         request = render_request(replace(scene, earth=None), pinhole.camera, 1, target.radius_m, config)[0]
         frames.append(request | {"earth": [scene.earth.r_target_earth_m, scene.earth.q_target_ecef]})

@@ -24,7 +24,7 @@ def target_window(vertices_m: Float[np.ndarray, "n 3"], T_cam_target: Pose, came
     return _clip(np.floor(low - margin), np.ceil(high + margin), within)
 
 
-def _clip(low: np.ndarray, high: np.ndarray, within: Window) -> Window:
+def _clip(low: Float[np.ndarray, "2"], high: Float[np.ndarray, "2"], within: Window) -> Window:
     x0, y0 = np.maximum(low, (within.x, within.y)).astype(int)
     x1, y1 = np.minimum(high, (within.x + within.width, within.y + within.height)).astype(int)
     if x1 <= x0 or y1 <= y0:

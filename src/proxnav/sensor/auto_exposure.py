@@ -7,7 +7,11 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.records import RenderedFrame, SceneSpec
+from proxnav.sensor.detector import Counts
 from proxnav.sensor.photometry import electron_rate
+
+_PROPORTIONAL = 0.2  # gain of the controller on the change of the error, a logarithm
+_INTEGRAL = 0.6  # gain on the error; 1 corrects it in one step
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,15 +19,11 @@ class AutoExposure:
     """What the exposure control aims at, and within which limits."""
 
     percentile: float = 92.0
-    """Of the metered pixels."""
+    """Percentile of the metered pixels that is controlled."""
     level: float = 0.6
     """Share of full well at which that percentile shall lie."""
     shortest_s: float = 20e-6
     longest_s: float = 10e-3
-    proportional: float = 0.2
-    """Gain of the controller on the change of the error, a logarithm."""
-    integral: float = 0.6
-    """Gain of the controller on the error; 1 corrects it in one step."""
     lag_frames: int = 1
     """Frames between a measurement and the exposure that it changes."""
 
@@ -33,7 +33,7 @@ class ControlState:
     """Memory of the controller between frames."""
 
     exposure_s: float
-    """Of the next frame."""
+    """Exposure of the next frame."""
     error: float = 0.0
     """Last error: natural logarithm of level wanted over level expected."""
     queued: tuple[float, ...] = ()
@@ -60,7 +60,7 @@ def choose_exposure(
 
 
 def measure_level(
-    image: np.ndarray, white_dn: int, black_level_dn: float = 0.0, control: AutoExposure | None = None
+    image: Counts, white_dn: int, black_level_dn: float = 0.0, control: AutoExposure | None = None
 ) -> float:
     """Share of the range above black at which the metered percentile of an image lies: what a controller measures."""
     control = control or AutoExposure()
@@ -76,7 +76,7 @@ def control_exposure(state: ControlState, measured_level: float, control: AutoEx
     latest = state.queued[-1] if state.queued else state.exposure_s
     expected_level = max(measured_level, 1e-3) * latest / state.exposure_s
     error = math.log(control.level / expected_level)
-    step = control.integral * error + control.proportional * (error - state.error)
+    step = _INTEGRAL * error + _PROPORTIONAL * (error - state.error)
     queued = (*state.queued, _limited(latest * math.exp(step), control))
     if len(queued) <= control.lag_frames:
         return ControlState(state.exposure_s, error, queued)
@@ -87,7 +87,9 @@ def _limited(exposure_s: float, control: AutoExposure) -> float:
     return min(max(exposure_s, control.shortest_s), control.longest_s)
 
 
-def _metered(frame: RenderedFrame, box_xyxy: np.ndarray | None) -> Float[np.ndarray, "rows columns band=3"]:
+def _metered(
+    frame: RenderedFrame, box_xyxy: Float[np.ndarray, "xyxy=4"] | None
+) -> Float[np.ndarray, "rows columns band=3"]:
     """Radiance of the metered pixels as (1, n, 3) or (h, w, 3)."""
     if box_xyxy is not None and np.isfinite(box_xyxy).all():
         x0, y0 = np.floor(np.asarray(box_xyxy)[:2]).astype(int) - (frame.window.x, frame.window.y)

@@ -4,16 +4,18 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32
 from scipy.special import ive
 
 Kernel = Float[np.ndarray, "rows columns"]
+Image = Float[np.ndarray, "height width *band"]
+"""A rate or a share for each pixel, of a mono sensor or in three bands."""
 
 _NEGLIGIBLE_PX = 0.05  # rms spread per axis below which a kernel is left out: it changes an edge by < 0.2 %
 
 
-def gaussian(image: np.ndarray, sigma_px: float) -> np.ndarray:
-    """Gaussian blur of (h, w) or (h, w, c); the variance added is sigma^2 also for sigma below one pixel.
+def gaussian(image: Image, sigma_px: float) -> Image:
+    """Gaussian blur; the variance added is sigma^2 also for sigma below one pixel.
 
     T. Lindeberg, "Scale-space for discrete signals", PAMI 12(3), 1990: the kernel exp(-t) I_n(t) with t = sigma^2.
     """
@@ -24,7 +26,7 @@ def gaussian(image: np.ndarray, sigma_px: float) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def _lindeberg(sigma_px: float) -> np.ndarray:
+def _lindeberg(sigma_px: float) -> Float32[np.ndarray, "taps"]:
     radius = 2 + int(np.ceil(4.0 * sigma_px))
     kernel = ive(np.abs(np.arange(-radius, radius + 1)), sigma_px**2)
     return (kernel / kernel.sum()).astype(np.float32)
@@ -77,8 +79,8 @@ def _catmull_rom(a: Float[np.ndarray, "n_points"]) -> Float[np.ndarray, "tap=4 n
     return 0.5 * np.stack([2 * a2 - a - a3, 2 - 5 * a2 + 3 * a3, a + 4 * a2 - 3 * a3, a3 - a2])
 
 
-def convolve(image: np.ndarray, kernel: Kernel | None) -> np.ndarray:
-    """Convolution of (h, w) or (h, w, c) with a kernel that is symmetric about its centre; None leaves it."""
+def convolve(image: Image, kernel: Kernel | None) -> Image:
+    """Convolution with a kernel that is symmetric about its centre; None leaves it."""
     if kernel is None:
         return image
     return cv2.filter2D(image, -1, kernel, borderType=cv2.BORDER_REPLICATE)

@@ -18,8 +18,8 @@ def mosaic(image: Float[np.ndarray, "height width band=3"], window: Window) -> F
 
 def demosaic(
     raw: UInt8[np.ndarray, "height width"] | UInt16[np.ndarray, "height width"], window: Window | None = None
-) -> np.ndarray:
-    """(h, w, 3) red, green, blue in the type of the mosaic, by OpenCV's bilinear interpolation."""
+) -> UInt8[np.ndarray, "height width rgb=3"] | UInt16[np.ndarray, "height width rgb=3"]:
+    """Red, green and blue in the type of the mosaic, by OpenCV's bilinear interpolation."""
     odd = (window.y % 2, window.x % 2) if window else (0, 0)
     # OpenCV names a pattern by the second and third pixel of the second row: RGGB is its "BayerBG"
     codes = {

@@ -8,7 +8,7 @@ from proxnav.geometry import Camera
 from proxnav.records import RenderedFrame, SceneSpec
 from proxnav.sensor import blur, colour, flare, glare
 from proxnav.sensor.auto_exposure import choose_exposure
-from proxnav.sensor.detector import gain_e_per_dn, read_out
+from proxnav.sensor.detector import Counts, gain_e_per_dn, read_out
 from proxnav.sensor.layers import blur_layers, layer_kernels
 from proxnav.sensor.photometry import cos4, electron_rate
 
@@ -17,11 +17,11 @@ from proxnav.sensor.photometry import cos4, electron_rate
 class Exposure:
     """The camera's raw image; its time stamp is mid-exposure."""
 
-    image: np.ndarray
-    """(h, w) uint8 or uint16 digital numbers; a Bayer mosaic when the sensor is a colour one."""
+    image: Counts
+    """Digital numbers; a Bayer mosaic when the sensor is a colour one."""
     exposure_s: float
     saturated_share: float
-    """Of the pixels: those at full well or at the end of the converter's range."""
+    """Share of the pixels at full well or at the end of the converter's range."""
     white_dn: int
     """The largest digital number, 2^bits - 1."""
 
@@ -48,8 +48,8 @@ def expose(
     return Exposure(image, float(exposure_s), _saturated(image, scene, white_dn), white_dn)
 
 
-def form_image(frame: RenderedFrame, scene: SceneSpec, exposure_s: float, camera: Camera) -> np.ndarray:
-    """Expected photo-electrons per second (h, w) or, for a colour sensor, (h, w, 3): the optics, in their order."""
+def form_image(frame: RenderedFrame, scene: SceneSpec, exposure_s: float, camera: Camera) -> blur.Image:
+    """Expected photo-electrons per second, in three bands for a colour sensor: the optics, in their order."""
     sensor = scene.sensor
     pixel_scale = camera.fx / scene.camera.fx
     rate = electron_rate(frame.radiance, sensor)
@@ -65,7 +65,7 @@ def form_image(frame: RenderedFrame, scene: SceneSpec, exposure_s: float, camera
     return glare.halo(rate, sensor.halo, pixel_scale)
 
 
-def _saturated(image: np.ndarray, scene: SceneSpec, white_dn: int) -> float:
+def _saturated(image: Counts, scene: SceneSpec, white_dn: int) -> float:
     sensor = scene.sensor
     well_dn = sensor.full_well_e / gain_e_per_dn(sensor) + sensor.black_level_dn
     # read noise and fixed offsets scatter a full pixel about its level: three of their deviations below counts as full

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Float32
 
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import unit
@@ -16,6 +16,7 @@ from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.kernel import kernel
 from proxnav.records import RenderedFrame, SceneSpec, SensorSpec, Window
 from proxnav.sensor import noise
+from proxnav.sensor.blur import Image
 from proxnav.sensor.photometry import BAND_CENTRES_M, electrons_per_radiance, focal_length_m
 
 HOOD_CUTOFF = math.radians(60.0)
@@ -28,12 +29,12 @@ _DARKENING = np.array([0.50, 0.62, 0.75])  # linear limb darkening in the three 
 class SunInLens:
     """The Sun as this camera sees it."""
 
-    direction_cam: np.ndarray
-    """(3,) unit vector to the Sun."""
-    centre_px: np.ndarray
-    """(2,) where it is imaged; outside the image when the Sun is outside the field."""
-    irradiance: np.ndarray
-    """(3,) W/m^2 that enter the front lens in the three bands: what is left after eclipse, occlusion and hood."""
+    direction_cam: Float[np.ndarray, "3"]
+    """Unit vector to the Sun, camera axes."""
+    centre_px: Float[np.ndarray, "2"]
+    """Where it is imaged; outside the image when the Sun is outside the field."""
+    irradiance: Float[np.ndarray, "band=3"]
+    """W/m^2 that enter the front lens: what is left after eclipse, occlusion and hood."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,10 +43,10 @@ class FlarePart:
 
     box: tuple[slice, slice]
     """(rows, columns) of the window."""
-    shape: np.ndarray
-    """(rows, columns) float32, radiance for an irradiance of 1 [1/sr]."""
-    colour: np.ndarray
-    """(3,) factor of each band."""
+    shape: Float32[np.ndarray, "rows columns"]
+    """Radiance for an irradiance of 1 [1/sr]."""
+    colour: Float[np.ndarray, "band=3"]
+    """Factor of each band."""
 
 
 def sun_in_lens(frame: RenderedFrame, scene: SceneSpec, camera: Camera) -> SunInLens | None:
@@ -64,8 +65,8 @@ def sun_in_lens(frame: RenderedFrame, scene: SceneSpec, camera: Camera) -> SunIn
     return SunInLens(direction, centre, np.array(scene.sun.irradiance) * share * direction[2])
 
 
-def add_flare(rate: np.ndarray, frame: RenderedFrame, scene: SceneSpec, camera: Camera) -> np.ndarray:
-    """Electron rate (h, w[, 3]) with the Sun's light in the lens added; the argument itself when there is none."""
+def add_flare(rate: Image, frame: RenderedFrame, scene: SceneSpec, camera: Camera) -> Image:
+    """Electron rate with the Sun's light in the lens added; the argument itself when there is none."""
     sun = sun_in_lens(frame, scene, camera)
     if sun is None:
         return rate
@@ -99,13 +100,15 @@ def _hood(angle: float, camera: Camera) -> float:
     return (1.0 - x) ** 2 if x < 1.0 else 0.0
 
 
-def _hidden_share(frame: RenderedFrame, centre_px: np.ndarray, radius_px: float) -> float:
+def _hidden_share(frame: RenderedFrame, centre_px: Float[np.ndarray, "2"], radius_px: float) -> float:
     """Share of the solar disc that the target covers, as far as this window shows it."""
     rows, columns, inside = _disc_cells(frame.window, centre_px, radius_px)
     return float(frame.coverage[rows, columns][inside].mean()) if inside.any() else 0.0
 
 
-def _disc_cells(window: Window, centre_px: np.ndarray, radius_px: float) -> tuple[slice, slice, np.ndarray]:
+def _disc_cells(
+    window: Window, centre_px: Float[np.ndarray, "2"], radius_px: float
+) -> tuple[slice, slice, Bool[np.ndarray, "rows columns"]]:
     """(rows, columns) of the box about a disc in the window, and which pixels of it have their centre in the disc."""
     x, y = centre_px[0] - window.x, centre_px[1] - window.y
     reach = max(radius_px, 0.75)
@@ -117,7 +120,7 @@ def _disc_cells(window: Window, centre_px: np.ndarray, radius_px: float) -> tupl
 
 
 def _brighten_disc(
-    rate: np.ndarray, frame: RenderedFrame, camera: Camera, sun: SunInLens, weights: Float[np.ndarray, "band=3"]
+    rate: Image, frame: RenderedFrame, camera: Camera, sun: SunInLens, weights: Float[np.ndarray, "band=3"]
 ) -> None:
     """Raise `rate` in place to the limb-darkened disc; a renderer may have drawn it already, the brighter is kept."""
     radius = SUN_HALF_ANGLE * camera.fx
@@ -212,9 +215,9 @@ class _Ghost:
     place: float
     """Position on the line from the principal point (0) to the Sun's image (1)."""
     radius: float
-    """Of the patch, in units of the focal length."""
+    """Radius of the patch, in units of the focal length."""
     share: float
-    """Of the light that enters the lens: the product of two reflectances."""
+    """Share of the light that enters the lens: the product of two reflectances."""
     colour: tuple[float, float, float]
     """Tint by the coatings."""
     rim: float
@@ -255,7 +258,7 @@ def ghosts(window: Window, camera: Camera, sensor: SensorSpec, sun: SunInLens) -
     return found
 
 
-def _box(window: Window, centre: np.ndarray, reach_px: float) -> tuple[slice, slice] | None:
+def _box(window: Window, centre: Float[np.ndarray, "2"], reach_px: float) -> tuple[slice, slice] | None:
     """(rows, columns) of the part of the window within reach of a point in it; None when that is empty."""
     low = np.maximum(np.floor(centre - reach_px), 0.0).astype(int)
     high = np.minimum(np.ceil(centre + reach_px), (window.width, window.height)).astype(int)

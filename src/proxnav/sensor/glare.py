@@ -3,28 +3,28 @@
 import cv2
 import numpy as np
 
-from proxnav.sensor.blur import gaussian
+from proxnav.sensor.blur import Image, gaussian
 
 _HALO = ((6.0, 0.7), (24.0, 0.3))  # sigma [px] and share: scatter falls off slower than one Gaussian does
 
 
-def veil(image: np.ndarray, share: float) -> np.ndarray:
-    """Image (h, w[, c]) with `share` of its mean flux taken from every pixel and spread evenly: flux is conserved."""
+def veil(image: Image, share: float) -> Image:
+    """The image with `share` of its mean flux taken from every pixel and spread evenly: flux is conserved."""
     if share <= 0.0:
         return image
     mean = image.mean(axis=(0, 1), dtype=np.float64)
     return (image * (1.0 - share) + mean * share).astype(np.float32)
 
 
-def halo(image: np.ndarray, share: float, pixel_scale: float) -> np.ndarray:
-    """Image (h, w[, c]) with `share` of each pixel's light spread over a halo of some tens of pixels."""
+def halo(image: Image, share: float, pixel_scale: float) -> Image:
+    """The image with `share` of each pixel's light spread over a halo of some tens of pixels."""
     if share <= 0.0:
         return image
     spread = sum(part * _wide_gaussian(image, sigma * pixel_scale) for sigma, part in _HALO)
     return (image * (1.0 - share) + spread * share).astype(np.float32)
 
 
-def _wide_gaussian(image: np.ndarray, sigma_px: float) -> np.ndarray:
+def _wide_gaussian(image: Image, sigma_px: float) -> Image:
     """Gaussian blur on a grid four times coarser when it is wide: the same to the eye at a tenth of the time."""
     if sigma_px < 5.0 or min(image.shape[:2]) < 16:
         return gaussian(image, sigma_px)

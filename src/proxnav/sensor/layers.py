@@ -57,8 +57,8 @@ def defocus_m(depth_m: float, sensor: SensorSpec, focal_m: float) -> float:
     return focal_m**2 * relative / (sensor.f_number * (sensor.focus_m - focal_m))
 
 
-def blur_layers(image: np.ndarray, coverage: Float[np.ndarray, "height width"], kernels: LayerKernels) -> np.ndarray:
-    """Image (h, w[, c]) with the target's part and the background blurred apart and composed again.
+def blur_layers(image: blur.Image, coverage: Float[np.ndarray, "height width"], kernels: LayerKernels) -> blur.Image:
+    """The image with the target's part and the background blurred apart and composed again.
 
     The background is continued under the target from its surroundings, as far as its kernel reaches.
     """
@@ -75,7 +75,7 @@ def blur_layers(image: np.ndarray, coverage: Float[np.ndarray, "height width"], 
     return target + (1.0 - covered) * behind
 
 
-def _background(image: np.ndarray, coverage: np.ndarray, kernels: LayerKernels) -> np.ndarray:
+def _background(image: blur.Image, coverage: Float[np.ndarray, "height width"], kernels: LayerKernels) -> blur.Image:
     """The image where the target leaves it free, continued beneath it by the mean of what is near and free."""
     free = 1.0 - coverage
     reach = max(len(kernel) for kernel in (kernels.target, kernels.background) if kernel is not None) | 1
@@ -86,7 +86,8 @@ def _background(image: np.ndarray, coverage: np.ndarray, kernels: LayerKernels) 
     return np.where(_like(coverage, image) > 0.0, filled, image)
 
 
-def _like(plane: np.ndarray, image: np.ndarray) -> np.ndarray:
+def _like(plane: Float[np.ndarray, "height width"], image: blur.Image) -> Float[np.ndarray, "height width *one"]:
+    """The plane with an axis for bands where the image has one."""
     return plane if image.ndim == 2 else plane[..., None]
 
 

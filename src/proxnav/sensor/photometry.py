@@ -1,7 +1,7 @@
 """From radiance to electrons per second: E = (pi/4) L tau cos^4(theta) / N^2, then mu_e = E A QE lambda / (h c)."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32
 
 from proxnav.geometry import Camera
 from proxnav.records import SensorSpec, Window
@@ -23,8 +23,10 @@ def focal_length_m(sensor: SensorSpec, camera: Camera) -> float:
     return camera.fx * sensor.pixel_pitch_m
 
 
-def electron_rate(radiance: Float[np.ndarray, "height width band=3"], sensor: SensorSpec) -> np.ndarray:
-    """Expected photo-electrons per second, float32: (h, w) for a mono sensor, (h, w, 3) before a Bayer mosaic.
+def electron_rate(
+    radiance: Float[np.ndarray, "height width band=3"], sensor: SensorSpec
+) -> Float32[np.ndarray, "height width *band"]:
+    """Expected photo-electrons per second: one number for a mono sensor, three before a Bayer mosaic.
 
     Mono sums the bands at once: every later optical effect is linear and the same in all bands.
     """

@@ -78,7 +78,7 @@ class _Bench:
         return read_out(signal, self.sensor, exposure, dark_s, window, (width, height)).astype(np.float64)
 
     def mean_and_temporal_variance(self, electrons: float, dark_s: float) -> tuple[float, float]:
-        """Of a pair of images [DN, DN^2]; the fixed pattern cancels in their difference."""
+        """Mean [DN] and temporal variance [DN^2] of a pair of images; the fixed pattern cancels in their difference."""
         seed = 1000 + 2 * int(electrons + 1e6 * dark_s)
         one, other = self.image(electrons, dark_s, seed), self.image(electrons, dark_s, seed + 1)
         return float(0.5 * (one.mean() + other.mean())), float(0.5 * np.var(one - other))

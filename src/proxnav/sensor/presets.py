@@ -82,7 +82,7 @@ class SensorRanges:
     """Limits (low, high) within which a random camera lies; the defaults are what real parts span."""
 
     quantum_efficiency: tuple[float, float] = (0.4, 0.75)
-    """Of the green band; the others keep the base's ratio to it."""
+    """Quantum efficiency of the green band; the others keep the base's ratio to it."""
     full_well_e: tuple[float, float] = (5e3, 40e3)
     read_noise_e: tuple[float, float] = (2.0, 20.0)
     dark_current_e_per_s: tuple[float, float] = (1.0, 1000.0)
@@ -91,7 +91,7 @@ class SensorRanges:
     hot_pixel_share: tuple[float, float] = (1e-5, 1e-4)
     dead_pixel_share: tuple[float, float] = (1e-6, 3e-5)
     line_noise_dn: tuple[float, float] = (0.3, 1.0)
-    """Of rows and of columns, for 8 bit; scaled to the base's bits."""
+    """Noise of rows and of columns, for 8 bit; scaled to the base's bits."""
     psf_sigma_px: tuple[float, float] = (0.4, 1.0)
     veiling_glare: tuple[float, float] = (0.001, 0.01)
     halo: tuple[float, float] = (0.002, 0.03)

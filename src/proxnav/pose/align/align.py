@@ -84,7 +84,9 @@ def align(
     return _judged([one for one in found if one is not None], crop, target, prior, config)
 
 
-def _crop(grey: np.ndarray, camera: Camera, target: Target, pose: Pose, side: int) -> TargetCrop | None:
+def _crop(
+    grey: UInt8[np.ndarray, "height width"], camera: Camera, target: Target, pose: Pose, side: int
+) -> TargetCrop | None:
     box = target_box(target, pose, camera)
     return None if box is None else TargetCrop.around(grey, box, camera, MARGIN, side)
 

@@ -18,15 +18,6 @@ class CyclesConfig:
     """auto uses the GPUs that Blender finds; frames of different devices differ in their noise."""
     threads: int = 0
     """CPU threads; 0 takes all."""
-    indirect_clamp: float = 10.0
-    """Largest radiance of one path after its first reflection, as a multiple of a sunlit white plate; 0 is no limit.
-
-    It removes the fireflies that the Sun's image in curved foil throws on its neighbours, and their energy with them.
-    """
-    environment_rows: int = 64
-    """Rows of the equirectangular map of Earth and sky that lights the target."""
-    oversampling: int = 2
-    """Pixels per pixel and axis of the undistorted picture from which a distorted lens is resampled."""
     memory_limit_mb: float = 4096.0
     """A worker that holds more after a frame is replaced before the next one."""
     frames_per_worker: int = 1000
@@ -37,9 +28,8 @@ class CyclesConfig:
     """How often one frame is tried before the error is shown."""
 
     def __post_init__(self) -> None:
-        counts = (self.samples, self.environment_rows, self.attempts, self.frames_per_worker)
-        if min(counts) < 1 or self.bounces < 0 or self.threads < 0 or self.oversampling < 2:
+        counts = (self.samples, self.attempts, self.frames_per_worker)
+        if min(counts) < 1 or self.bounces < 0 or self.threads < 0:
             raise InputError(
-                "Cycles needs samples, environment_rows, attempts and frames_per_worker >= 1, bounces and threads "
-                f">= 0 and oversampling >= 2, found {self}"
+                f"Cycles needs samples, attempts and frames_per_worker >= 1, bounces and threads >= 0, found {self}"
             )

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Bool, Float, Float32, Int
 
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry import distortion as brown
+from proxnav.geometry.types import Pixels
 from proxnav.records import Window
 
 _PAD_PX = 3  # fine pixels around, for the interpolation
@@ -68,7 +69,7 @@ def through_lens(
 
 def nearest(
     pixels: Float[np.ndarray, "h w 2"], pinhole: Pinhole, camera: Camera
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[Int[np.ndarray, "h w"], Int[np.ndarray, "h w"], Bool[np.ndarray, "h w"]]:
     """(rows, columns, inside): the fine pixel nearest to each point of the image."""
     at = _fine_px(pixels, pinhole, camera)
     inside = np.all((at >= 0.0) & (at < np.array([pinhole.camera.width, pinhole.camera.height])), axis=-1)
@@ -82,7 +83,7 @@ def centres_px(window: Window) -> Float[np.ndarray, "h w 2"]:
     return np.stack([x, y], axis=-1)
 
 
-def _fine_px(pixels: np.ndarray, pinhole: Pinhole, camera: Camera) -> np.ndarray:
+def _fine_px(pixels: Pixels, pinhole: Pinhole, camera: Camera) -> Pixels:
     """Where the rays of image points fall in the pinhole picture; NaN where no ray leads there."""
     xy = camera.unproject(pixels)[..., :2]
     view = pinhole.camera
@@ -90,7 +91,7 @@ def _fine_px(pixels: np.ndarray, pinhole: Pinhole, camera: Camera) -> np.ndarray
     return at if camera.is_distorted else np.where(np.isfinite(at), at, -1e6)
 
 
-def _grid_px(window: Window, steps: int = 33) -> np.ndarray:
+def _grid_px(window: Window, steps: int = 33) -> Pixels:
     """Points over a window, its border included."""
     x = window.x + np.linspace(0.0, window.width, steps)
     y = window.y + np.linspace(0.0, window.height, steps)

@@ -1,16 +1,15 @@
 """The target's surfaces as the worker's arrays."""
 
-from typing import Any
-
 import numpy as np
 
 from proxnav.records import TextureSpec
+from proxnav.rendering.cycles.wire import Message
 from proxnav.targets import Target
 from proxnav.targets.surface.textures import part_textures
 
 
-def paint_arrays(target: Target, texture: TextureSpec) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """(header, arrays) of the `paint` request: maps of albedo, of metallic and roughness, and of normals, per part."""
+def paint_arrays(target: Target, texture: TextureSpec) -> Message:
+    """The `paint` request: maps of albedo, of metallic and roughness, and of normals, per part."""
     parts, arrays = [], {}
     textures = part_textures(target, texture.strength, texture.seed)
     for index, (map_, material) in enumerate(zip(textures, target.materials, strict=True)):

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from proxnav.rendering.cycles.wire import Arrays
 from proxnav.targets import Target
 
 
-def mesh_arrays(target: Target) -> dict[str, np.ndarray]:
+def mesh_arrays(target: Target) -> Arrays:
     """Vertices split where corner normals differ, so that Blender's per-vertex normals are the target's exactly."""
     corners = np.hstack([target.vertices_m[target.faces.ravel()], target.corner_normals.reshape(-1, 3)])
     keys = np.hstack([target.faces.reshape(-1, 1), np.round(target.corner_normals.reshape(-1, 3) * 1e6)])

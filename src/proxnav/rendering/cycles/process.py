@@ -9,9 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import IO, Any
 
-import numpy as np
-
-from proxnav.rendering.cycles.wire import Message, read_message, skip_to_magic, write_message
+from proxnav.rendering.cycles.wire import Arrays, Message, read_message, skip_to_magic, write_message
 
 _STDERR_LINES = 40
 
@@ -54,7 +52,7 @@ class Worker:
             raise
         return worker
 
-    def ask(self, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray], timeout_s: float) -> Message:
+    def ask(self, header: Mapping[str, Any], arrays: Arrays, timeout_s: float) -> Message:
         """Sends a request and waits for its answer."""
 
         def exchange() -> Message:

@@ -17,11 +17,20 @@ from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.materials import paint_arrays
 from proxnav.rendering.cycles.mesh import mesh_arrays
 from proxnav.rendering.cycles.process import Worker, WorkerDied
+from proxnav.rendering.cycles.wire import Arrays, Message
 from proxnav.rendering.earth import background_image, environment_map
 from proxnav.rendering.windows import target_window
 from proxnav.targets import Target
 
+OVERSAMPLING = 2
+"""Pixels per pixel and axis of the undistorted picture from which a distorted lens is resampled."""
 _START_S = 300.0  # Blender's first start on a cold disk
+_ENVIRONMENT_ROWS = 64  # rows of the equirectangular map of Earth and sky that lights the target
+_INDIRECT_CLAMP = 10.0
+"""Largest radiance of one path after its first reflection, as a multiple of a sunlit white plate.
+
+It removes the fireflies that the Sun's image in curved foil throws on its neighbours, and their energy with them.
+"""
 
 
 class CyclesRenderer:
@@ -58,12 +67,12 @@ class CyclesRenderer:
         window = window or Window(0, 0, camera.width, camera.height)
         inner = target_window(self.target.vertices_m, scene.T_cam_target, camera, window)
         frame = _background(scene, window)
-        pinhole = lens.pinhole_for(camera, inner, self.config.oversampling) if inner.width else None
+        pinhole = lens.pinhole_for(camera, inner, OVERSAMPLING) if inner.width else None
         if pinhole is not None:
             _lay_over(frame, scene, pinhole, self._shoot(scene, pinhole.camera, pinhole.scale))
         return frame
 
-    def _shoot(self, scene: SceneSpec, view: Camera, scale: int) -> dict[str, np.ndarray]:
+    def _shoot(self, scene: SceneSpec, view: Camera, scale: int) -> Arrays:
         """What the worker answers for a scene; repeated with a new worker when one dies."""
         header, arrays = render_request(scene, view, scale, self.target.radius_m, self.config)
         deaths = []
@@ -112,10 +121,8 @@ def _configuration(config: CyclesConfig) -> dict[str, Any]:
     return {"command": "configure", "threads": config.threads, "device": config.device}
 
 
-def render_request(
-    scene: SceneSpec, view: Camera, scale: int, radius_m: float, config: CyclesConfig
-) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """The worker's request for a pinhole view of a scene: (header, arrays)."""
+def render_request(scene: SceneSpec, view: Camera, scale: int, radius_m: float, config: CyclesConfig) -> Message:
+    """The worker's request for a pinhole view of a scene."""
     range_m = float(np.linalg.norm(scene.t_cam_target_m))
     clip = {"clip_start": max(1e-3, 0.5 * (range_m - radius_m)), "clip_end": 1.1 * (range_m + radius_m)}
     matrix = camera_matrix(scene.T_cam_target).tolist()
@@ -130,12 +137,12 @@ def render_request(
         },
         "samples": -(-config.samples // scale**2),
         "bounces": config.bounces,
-        "clamp_indirect": config.indirect_clamp * max(scene.sun.irradiance) / np.pi,
+        "clamp_indirect": _INDIRECT_CLAMP * max(scene.sun.irradiance) / np.pi,
         "seed": scene.index * 2654435761 % 2**31,  # neighbouring frames draw unrelated numbers
     }
     if scene.earth is None:
         return header, {}
-    return header, {"environment": environment_map(scene, config.environment_rows)}
+    return header, {"environment": environment_map(scene, _ENVIRONMENT_ROWS)}
 
 
 def _background(scene: SceneSpec, window: Window) -> RenderedFrame:
@@ -150,7 +157,7 @@ def _background(scene: SceneSpec, window: Window) -> RenderedFrame:
     )
 
 
-def _lay_over(frame: RenderedFrame, scene: SceneSpec, pinhole: lens.Pinhole, shot: dict[str, np.ndarray]) -> None:
+def _lay_over(frame: RenderedFrame, scene: SceneSpec, pinhole: lens.Pinhole, shot: Arrays) -> None:
     """Puts the rendered target before the background, by coverage."""
     inner, outer, camera = pinhole.window, frame.window, scene.camera
     place = Window(inner.x - outer.x, inner.y - outer.y, inner.width, inner.height).slices

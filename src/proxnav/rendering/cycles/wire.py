@@ -1,6 +1,6 @@
 """Messages between us and the Blender worker: a length, a JSON header, then the bytes of the arrays it lists.
 
-The other end is worker.py, which cannot import this file.
+Both ends import this file, worker.py under Blender's interpreter: nothing here may need more than numpy.
 """
 
 import json
@@ -13,10 +13,13 @@ import numpy as np
 MAGIC = b"\nPROXNAV-CYCLES-1\n"
 """Ends whatever Blender prints before the worker takes over its standard output."""
 
-Message = tuple[dict[str, Any], dict[str, np.ndarray]]
+Arrays = dict[str, np.ndarray]
+"""Arrays of any shape and type by name."""
+Message = tuple[dict[str, Any], Arrays]
+"""A header and its arrays."""
 
 
-def write_message(stream: BinaryIO, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
+def write_message(stream: BinaryIO, header: Mapping[str, Any], arrays: Arrays) -> None:
     """Sends one message and flushes it."""
     arrays = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     entries = [{"name": name, "dtype": a.dtype.str, "shape": a.shape} for name, a in arrays.items()]

@@ -1,17 +1,15 @@
 """The Cycles worker: a script for Blender's own interpreter that renders frames asked for over a pipe.
 
-Runs as `python worker.py` where bpy is installed, or as `blender --background --python worker.py`. It needs bpy, the
-standard library and Blender's numpy, and never imports proxnav: bpy is GPL-3, so this file runs in a process of its
-own and exchanges plain data only (see wire.py for the other end). As a script that calls bpy it may be distributed
-under the terms of the GPL-3 as well as under the package's licence.
+Runs as `python worker.py` where bpy is installed, or as `blender --background --python worker.py`. It needs bpy,
+Blender's numpy and wire.py, which lies beside it, and never imports proxnav: bpy is GPL-3, so this file runs in a
+process of its own and exchanges plain data only. As a script that calls bpy it may be distributed under the terms of
+the GPL-3 as well as under the package's licence.
 
-World axes are the target's axes. A message is an 8-byte little-endian length, a JSON header of that length, then the
-bytes of the arrays listed in the header. Commands: `configure`, `load`, `paint`, `render`.
+World axes are the target's axes. Commands: `configure`, `load`, `paint`, `render`.
 """
 
 import contextlib
 import ctypes
-import json
 import os
 import shutil
 import struct
@@ -23,7 +21,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-MAGIC = b"\nPROXNAV-CYCLES-1\n"  # what Blender prints before this line is not ours
+sys.path.append(str(Path(__file__).parent))  # `blender --python` leaves the script's own folder out
+from wire import MAGIC, read_message, write_message
+
 CENTRE_FILTER_PX = 0.01  # the narrowest filter Cycles takes: samples within 0.005 px of the pixel's centre
 
 
@@ -34,30 +34,6 @@ def claim_stdout():
     reply.write(MAGIC)
     reply.flush()
     return reply
-
-
-def read_message(stream):
-    """(header, arrays by name), or None at the end of the stream."""
-    length = stream.read(8)
-    if len(length) < 8:
-        return None
-    header = json.loads(stream.read(struct.unpack("<q", length)[0]))
-    arrays = {}
-    for entry in header.pop("arrays", []):
-        dtype = np.dtype(entry["dtype"])
-        count = int(np.prod(entry["shape"], dtype=np.int64))
-        data = stream.read(count * dtype.itemsize)
-        arrays[entry["name"]] = np.frombuffer(data, dtype).reshape(entry["shape"])
-    return header, arrays
-
-
-def write_message(stream, header, arrays):
-    entries = [{"name": n, "dtype": a.dtype.str, "shape": a.shape} for n, a in arrays.items()]
-    text = json.dumps(header | {"arrays": entries}).encode()
-    stream.write(struct.pack("<q", len(text)) + text)
-    for array in arrays.values():
-        stream.write(np.ascontiguousarray(array).data)
-    stream.flush()
 
 
 def configure(header, arrays):
@@ -392,16 +368,17 @@ def main():
     reply = claim_stdout()
     commands = {"configure": configure, "load": load, "paint": paint, "render": render}
     folder = None
-    while (message := read_message(sys.stdin.buffer)) is not None:
-        header, arrays = message
-        folder = header["folder"]
-        try:
-            answer, results = commands[header["command"]](header, arrays)
-            answer["status"] = "ok"
-        except Exception:
-            answer, results = {"status": "error", "message": traceback.format_exc()}, {}
-        write_message(reply, answer | {"memory_mb": memory_mb()}, results)
-    if folder is not None:  # the other end is gone and cannot remove it
+    with contextlib.suppress(EOFError):  # the other end is gone
+        while True:
+            header, arrays = read_message(sys.stdin.buffer)
+            folder = header["folder"]
+            try:
+                answer, results = commands[header["command"]](header, arrays)
+                answer["status"] = "ok"
+            except Exception:
+                answer, results = {"status": "error", "message": traceback.format_exc()}, {}
+            write_message(reply, answer | {"memory_mb": memory_mb()}, results)
+    if folder is not None:  # nobody else can remove it
         shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Bool, Float, Float32
 
 from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
 from proxnav.rendering.earth.atmosphere import R_TOP, march, mie_phase, rayleigh_phase
@@ -23,18 +24,18 @@ CLOUD_TOP_M = 5e3  # m, the shell on which clouds are drawn
 class Aerial(NamedTuple):
     """The tables of one eye point and Sun direction."""
 
-    nodes: np.ndarray
-    """(3, N_NADIR, N_AZIMUTH, 12) float32: Rayleigh, Mie, isotropic, transmittance."""
-    done: np.ndarray
-    """(3, N_NADIR, N_AZIMUTH) bool, which nodes have been computed."""
-    bounds: np.ndarray
-    """(3, 2) cosine of the nadir angle at the horizon edge of each table and at its other end."""
+    nodes: Float32[np.ndarray, "table=3 n_nadir n_azimuth 12"]
+    """Rayleigh, Mie, isotropic, transmittance, three bands each."""
+    done: Bool[np.ndarray, "table=3 n_nadir n_azimuth"]
+    """Which nodes have been computed."""
+    bounds: Float[np.ndarray, "table=3 2"]
+    """Cosine of the nadir angle at the horizon edge of each table and at its other end."""
     radius: float
-    """Of the eye, in stretched space [m]."""
+    """Distance of the eye from Earth's centre, in stretched space [m]."""
     mu_sun: float
     """Cosine of the Sun's zenith angle at the eye."""
-    work: np.ndarray
-    """(12) room for one path."""
+    work: Float[np.ndarray, "12"]
+    """Room for one path."""
 
 
 def empty(radius: float, mu_sun: float) -> Aerial:

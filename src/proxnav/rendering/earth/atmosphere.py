@@ -11,6 +11,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float32
 
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel, kernel
@@ -35,14 +36,14 @@ SUN_MU_MIN, SUN_MU_MAX = -0.31, 1.0  # to the end of astronomical twilight
 
 
 class Air(NamedTuple):
-    """Tables of the atmosphere; float32, last axis red, green, blue."""
+    """Tables of the atmosphere."""
 
-    transmittance: np.ndarray
-    """(r, mu, 3) from a point to the top of the atmosphere, ground ignored."""
-    multiple: np.ndarray
-    """(h, mu_sun, 3) mean radiance of multiply scattered light per unit Sun irradiance."""
-    sky_irradiance: np.ndarray
-    """(SUN_NODES, 3) on level ground per unit Sun irradiance, against the cosine of the Sun's zenith angle."""
+    transmittance: Float32[np.ndarray, "r mu band=3"]
+    """Transmittance from a point to the top of the atmosphere, ground ignored."""
+    multiple: Float32[np.ndarray, "h mu_sun band=3"]
+    """Mean radiance of multiply scattered light per unit Sun irradiance [1/sr]."""
+    sky_irradiance: Float32[np.ndarray, "sun_nodes band=3"]
+    """Irradiance of level ground by the sky per unit Sun irradiance, against the cosine of the Sun's zenith angle."""
 
 
 @fast_kernel

@@ -4,10 +4,11 @@ import math
 from functools import cache, lru_cache
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Float32
 
 from proxnav.geometry import Camera, quaternion
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
+from proxnav.geometry.types import Rotation3x3, Vector3
 from proxnav.records import SceneSpec, Window
 from proxnav.rendering.earth import atmosphere, moon, sun
 from proxnav.rendering.earth.aerial import Aerial, empty
@@ -25,7 +26,7 @@ def _world(cover: float, seed: int, image: str) -> World:
     return World(air.transmittance, air.multiple, air.sky_irradiance, ground_pyramid(), clouds(cover, seed, image))
 
 
-def _eye(scene: SceneSpec, r_target_eye_m: np.ndarray, show_sun: bool) -> tuple[Eye, Aerial, np.ndarray]:
+def _eye(scene: SceneSpec, r_target_eye_m: Vector3, show_sun: bool) -> tuple[Eye, Aerial, Rotation3x3]:
     """Eye, empty tables and R_ecef_target for a point given in target axes."""
     earth = scene.earth
     assert earth is not None
@@ -51,8 +52,8 @@ def _eye(scene: SceneSpec, r_target_eye_m: np.ndarray, show_sun: bool) -> tuple[
 
 
 def _radiance(
-    scene: SceneSpec, r_target_eye_m: np.ndarray, directions: np.ndarray, pixel_rad: float, show_sun: bool
-) -> np.ndarray:
+    scene: SceneSpec, r_target_eye_m: Vector3, directions: Float[np.ndarray, "n 3"], pixel_rad: float, show_sun: bool
+) -> Float32[np.ndarray, "n band=3"]:
     out = np.zeros((len(directions), 3), dtype=np.float32)
     if scene.earth is None:
         return _empty_space(scene, directions) if show_sun else out
@@ -62,8 +63,8 @@ def _radiance(
     return out
 
 
-def _empty_space(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
-    """Without Earth: the Sun's disc, dimmed as the scene says."""
+def _empty_space(scene: SceneSpec, directions: Float[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n band=3"]:
+    """Radiance without Earth: the Sun's disc, dimmed as the scene says."""
     out = np.zeros((len(directions), 3), dtype=np.float32)
     nu = directions @ np.array(scene.sun.direction_target)
     for i in np.flatnonzero(nu > math.cos(1.1 * SUN_HALF_ANGLE)):
@@ -71,7 +72,7 @@ def _empty_space(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
     return out
 
 
-def _camera_position(scene: SceneSpec) -> np.ndarray:
+def _camera_position(scene: SceneSpec) -> Vector3:
     return scene.T_cam_target.inverse().t_m
 
 
@@ -108,7 +109,9 @@ def background_image(
     return out
 
 
-def _earth_image(scene: SceneSpec, camera: Camera, window: Window, hidden: np.ndarray) -> np.ndarray:
+def _earth_image(
+    scene: SceneSpec, camera: Camera, window: Window, hidden: Bool[np.ndarray, "h w"]
+) -> Float32[np.ndarray, "h w band=3"]:
     assert scene.earth is not None
     eye, aerial, R_ecef_target = _eye(scene, _camera_position(scene), show_sun=True)
     R_ecef_cam = R_ecef_target @ scene.T_cam_target.R.T
@@ -123,7 +126,7 @@ def _earth_image(scene: SceneSpec, camera: Camera, window: Window, hidden: np.nd
     return out
 
 
-def _empty_image(scene: SceneSpec, camera: Camera, window: Window) -> np.ndarray:
+def _empty_image(scene: SceneSpec, camera: Camera, window: Window) -> Float32[np.ndarray, "h w band=3"]:
     out = np.zeros((window.height, window.width, 3), dtype=np.float32)
     sun_cam = scene.T_cam_target.R @ np.array(scene.sun.direction_target)
     if sun_cam[2] <= 0.0:
@@ -154,8 +157,8 @@ def environment_map(scene: SceneSpec, rows: int = 32) -> Float[np.ndarray, "rows
 
 
 @cache
-def equirectangular(rows: int) -> np.ndarray:
-    """(rows, 2 rows, 3) unit directions of the texels of an environment map."""
+def equirectangular(rows: int) -> Float[np.ndarray, "rows columns 3"]:
+    """Unit directions of the texels of an environment map, twice as many columns as rows."""
     polar = np.pi * (np.arange(rows) + 0.5) / rows
     azimuth = -np.pi + 2.0 * np.pi * (np.arange(2 * rows) + 0.5) / (2 * rows)
     theta, phi = np.meshgrid(polar, azimuth, indexing="ij")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float, Float32, Int8
 
 from proxnav.geometry.compiled.kernel import fast_inlined_kernel, fast_kernel
 from proxnav.rendering.earth import noise
@@ -25,14 +26,16 @@ EDGE = 0.12
 class Clouds(NamedTuple):
     """The cloud field of one seed and cover."""
 
-    weather: np.ndarray
-    noise: np.ndarray
+    weather: Float32[np.ndarray, "rows columns"]
+    """Moisture, north first, west first."""
+    noise: Int8[np.ndarray, "n_noise"]
+    """Table of `noise.table`."""
     shift: float
     """Turn of the weather about the pole, in map columns."""
     mirror: bool
     """Whether north and south are exchanged."""
-    offsets: np.ndarray
-    """(3, 3) of the layers of detail, in periods."""
+    offsets: Float[np.ndarray, "layer=3 3"]
+    """Offsets of the layers of detail, in periods."""
     threshold: float
     """Field value at which cloud begins."""
     pivot: float
@@ -152,8 +155,8 @@ IMAGE_EDGE, IMAGE_PIVOT = 0.50, 0.58
 
 
 @lru_cache(maxsize=2)
-def weather_of_image(path: str) -> np.ndarray:
-    """The moisture map (ROWS, COLUMNS) whose cloud, before detail, is as opaque as a picture is white."""
+def weather_of_image(path: str) -> Float32[np.ndarray, "rows columns"]:
+    """The moisture map whose cloud, before detail, is as opaque as a picture is white."""
     import cv2
 
     white = read_equirectangular(Path(path)).mean(axis=-1, dtype=np.float32) / 255.0
@@ -168,7 +171,7 @@ def weather_of_image(path: str) -> np.ndarray:
 
 
 @cache
-def _thresholds() -> tuple[np.ndarray, np.ndarray]:
+def _thresholds() -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"]]:
     """Covers and the thresholds that give them: quantiles of the field over points spread evenly on the sphere."""
     i = np.arange(8_000) + 0.5
     z = 1.0 - 2.0 * i / len(i)

@@ -7,9 +7,11 @@ stretched space is exact. Altitudes there differ from true ones by at most 0.34 
 import math
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_POLAR_RADIUS
 from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
+from proxnav.geometry.types import Vector3
 
 A_M = EARTH_EQUATORIAL_RADIUS
 STRETCH = A_M / EARTH_POLAR_RADIUS
@@ -37,13 +39,13 @@ def near_hit(rm, half_b, radius, r0):
     return (root - half_b) / rm
 
 
-def stretched(vectors_ecef: np.ndarray) -> np.ndarray:
-    """Earth-fixed vectors (..., 3) in the space where the ellipsoid is a sphere of radius `A_M`; not renormalised."""
+def stretched(vectors_ecef: Vector3) -> Vector3:
+    """Earth-fixed vectors in the space where the ellipsoid is a sphere of radius `A_M`; not renormalised."""
     return vectors_ecef * np.array([1.0, 1.0, STRETCH])
 
 
-def intersect(origin_ecef_m: np.ndarray, directions_ecef: np.ndarray) -> np.ndarray:
-    """Distance [m] (n,) from a point to the ellipsoid along unit directions (n, 3); -1 where missed."""
+def intersect(origin_ecef_m: Vector3, directions_ecef: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+    """Distance [m] from a point to the ellipsoid along unit directions; -1 where missed."""
     o = stretched(np.asarray(origin_ecef_m, dtype=np.float64))
     d = stretched(np.asarray(directions_ecef, dtype=np.float64))
     r0 = float(np.linalg.norm(o))

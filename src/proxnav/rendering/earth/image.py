@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float, Float32
 
 from proxnav.geometry import Camera
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
@@ -33,12 +34,12 @@ def block_px(camera: Camera) -> int:
 class Room(NamedTuple):
     """Scratch for one ray at a time."""
 
-    air: np.ndarray
-    state: np.ndarray
-    map: np.ndarray
-    value: np.ndarray
-    left: np.ndarray
-    right: np.ndarray
+    air: Float[np.ndarray, "6"]
+    state: Float32[np.ndarray, "size"]
+    map: Float[np.ndarray, "channel=7"]
+    value: Float[np.ndarray, "band=3"]
+    left: Float32[np.ndarray, "size"]
+    right: Float32[np.ndarray, "size"]
 
 
 def room() -> Room:
@@ -53,8 +54,8 @@ def lattice_size(block: int, x0: int, y0: int, width: int, height: int) -> tuple
 
 
 @lru_cache(maxsize=4)
-def lattice_rays(camera: Camera) -> np.ndarray:
-    """(rows, columns, 3) rays with z = 1 through the corners of the blocks; NaN where the lens has none."""
+def lattice_rays(camera: Camera) -> Float[np.ndarray, "rows columns 3"]:
+    """Rays with z = 1 in the camera through the corners of the blocks; NaN where the lens has none."""
     block = block_px(camera)
     x = np.arange(-(-camera.width // block) + 1) * float(block)
     y = np.arange(-(-camera.height // block) + 1) * float(block)

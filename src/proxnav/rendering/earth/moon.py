@@ -8,13 +8,14 @@ import numpy as np
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS
 from proxnav.geometry.compiled.kernel import fast_kernel
+from proxnav.geometry.types import Vector3
 from proxnav.records import SceneSpec
 
 RADIUS_M = 1_737.4e3  # m
 ALBEDO = np.array([0.140, 0.120, 0.100])  # geometric, in the three bands
 
 
-def position_eci_m(epoch_utc: str, t: float) -> np.ndarray:
+def position_eci_m(epoch_utc: str, t: float) -> Vector3:
     """Geocentric position [m] to 0.3 deg: low-precision formulas of the Astronomical Almanac, page D22."""
     moment = datetime.fromisoformat(epoch_utc.replace("Z", "+00:00"))
     moment = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
@@ -40,7 +41,7 @@ def position_eci_m(epoch_utc: str, t: float) -> np.ndarray:
     return r * np.array([x, math.cos(tilt) * y - math.sin(tilt) * z, math.sin(tilt) * y + math.cos(tilt) * z])
 
 
-def seen_from(scene: SceneSpec, r_earth_eye_target_m: np.ndarray) -> tuple[np.ndarray, float]:
+def seen_from(scene: SceneSpec, r_earth_eye_target_m: Vector3) -> tuple[Vector3, float]:
     """Unit direction in target axes and angular radius [rad] for an eye given from Earth's centre; 0 without epoch."""
     if not scene.epoch_utc:
         return np.array([0.0, 0.0, 1.0]), 0.0

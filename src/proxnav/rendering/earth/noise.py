@@ -7,6 +7,7 @@ import math
 from functools import cache
 
 import numpy as np
+from jaxtyping import Float, Float32, Int8
 from scipy.spatial import KDTree
 
 from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
@@ -22,11 +23,12 @@ _BRICK = 4
 _BRICKS = SIZE // _BRICK
 STEP = 3.5 / 127.0
 """Value of one unit of the table."""
+Cube = Float[np.ndarray, "size size size"]
 
 
 @cache
-def table() -> np.ndarray:
-    """(SIZE^3 CHANNELS) int8 noise of mean 0 and standard deviation 1, with period 1, in units of `STEP`.
+def table() -> Int8[np.ndarray, "n_noise"]:
+    """SIZE^3 CHANNELS values of noise of mean 0 and standard deviation 1, with period 1, in units of `STEP`.
 
     Bricks of 4 x 4 x 4 nodes lie together and small: a sample touches two lines of the processor's cache instead of
     four, and most of the table stays in it.
@@ -34,28 +36,28 @@ def table() -> np.ndarray:
     return stored("noise-2", _bricked)
 
 
-def _bricked() -> np.ndarray:
+def _bricked() -> Int8[np.ndarray, "n_noise"]:
     units = np.round(_make() / STEP).astype(np.int8)
     bricks = units.reshape(_BRICKS, _BRICK, _BRICKS, _BRICK, _BRICKS, _BRICK, CHANNELS)
     return np.ascontiguousarray(bricks.transpose(0, 2, 4, 1, 3, 5, 6)).reshape(-1)
 
 
 @cache
-def fractal() -> np.ndarray:
-    """(SIZE, SIZE, SIZE) float32: the first channel node by node, before it is packed."""
+def fractal() -> Float32[np.ndarray, "size size size"]:
+    """The first channel node by node, before it is packed."""
     return _fractal(np.random.default_rng(_SEED)).astype(np.float32)
 
 
-def _make() -> np.ndarray:
+def _make() -> Float32[np.ndarray, "size size size channel=2"]:
     rng = np.random.default_rng(_SEED)
     return np.stack([_fractal(rng), _cells(rng)], axis=-1).astype(np.float32)
 
 
-def _standard(field: np.ndarray) -> np.ndarray:
+def _standard(field: Cube) -> Cube:
     return np.clip((field - field.mean()) / field.std(), -3.5, 3.5)
 
 
-def _fractal(rng: np.random.Generator) -> np.ndarray:
+def _fractal(rng: np.random.Generator) -> Cube:
     """Gaussian field with a power law spectrum between 4 and 48 cycles per period, like turbulence (slope -5/3)."""
     k = np.fft.fftfreq(SIZE, 1.0 / SIZE)
     kx, ky, kz = np.meshgrid(k, k, k[: SIZE // 2 + 1], indexing="ij")
@@ -66,7 +68,7 @@ def _fractal(rng: np.random.Generator) -> np.ndarray:
     return _standard(np.fft.irfftn(white * amplitude, s=(SIZE, SIZE, SIZE), axes=(0, 1, 2)))
 
 
-def _cells(rng: np.random.Generator) -> np.ndarray:
+def _cells(rng: np.random.Generator) -> Cube:
     """Distances to scattered points, turned upside down and summed over octaves: billows."""
     axis = (np.arange(SIZE) + 0.5) / SIZE
     points = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)

@@ -1,6 +1,7 @@
 """Stars in the picture: points of light laid over four pixels, where Earth and its air leave them free."""
 
 import numpy as np
+from jaxtyping import Bool, Float, Float32
 
 from proxnav.geometry import Camera
 from proxnav.records import SceneSpec, Window
@@ -10,8 +11,8 @@ from proxnav.rendering.earth.stars import stars
 _AIR_M = 60e3  # m, height below which a ray past Earth shows no star
 
 
-def add_stars(image: np.ndarray, scene: SceneSpec, camera: Camera, window: Window) -> None:
-    """Adds to `image` (h, w, 3), in place, the radiance [W/(m^2 sr)] by which each star gives its irradiance.
+def add_stars(image: Float32[np.ndarray, "h w band=3"], scene: SceneSpec, camera: Camera, window: Window) -> None:
+    """Adds to `image`, in place, the radiance [W/(m^2 sr)] by which each star gives its irradiance.
 
     A star's light is shared bilinearly by the pixels about it, so that their sum is right and a window agrees with the
     whole image to the bit.
@@ -28,8 +29,8 @@ def add_stars(image: np.ndarray, scene: SceneSpec, camera: Camera, window: Windo
             _splat(image, place - 0.5 - (window.x, window.y), power)
 
 
-def _free(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
-    """(n,) bool, which directions do not meet Earth or its air from the camera."""
+def _free(scene: SceneSpec, directions: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:
+    """Which directions do not meet Earth or its air from the camera."""
     if scene.earth is None:
         return np.ones(len(directions), bool)
     to_earth = np.array(scene.earth.r_target_earth_m) - scene.T_cam_target.inverse().t_m
@@ -38,8 +39,10 @@ def _free(scene: SceneSpec, directions: np.ndarray) -> np.ndarray:
     return (along < 0.0) | (miss2 > (A_M + _AIR_M) ** 2)
 
 
-def _splat(image: np.ndarray, place: np.ndarray, power: np.ndarray) -> None:
-    """Shares `power` (3) by the four pixels about `place` (column, row, in pixel centres)."""
+def _splat(
+    image: Float32[np.ndarray, "h w band=3"], place: Float[np.ndarray, "2"], power: Float[np.ndarray, "band=3"]
+) -> None:
+    """Shares `power` by the four pixels about `place` (column, row, in pixel centres)."""
     column, row = (int(value) for value in np.floor(place))
     fx, fy = place[0] - column, place[1] - row
     for i, wy in ((row, 1.0 - fy), (row + 1, fy)):

@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float, Float32, UInt8
 
 from proxnav.geometry.compiled.kernel import fast_inlined_kernel, fast_kernel
 from proxnav.rendering.earth import clouds as cl
@@ -19,14 +20,10 @@ from proxnav.rendering.earth.surface import fresnel_water, glint, wind_mps
 
 # Columns of the row. Triples are red, green, blue and hold radiances [W/(m^2 sr)] at the eye, path losses included.
 X, LON, LAT, CX = 0, 3, 4, 5
-DIRECT, DIFFUSE, MIRROR, AIR = (
-    8,
-    11,
-    14,
-    17,
-)  # of a white Lambertian ground per cosine; of sky light; glint; air in front
+# Sunlit white Lambertian ground per cosine; lit by the sky; glint; air in front.
+DIRECT, DIFFUSE, MIRROR, AIR = 8, 11, 14, 17
 MIRROR_SKY, MU, SUN_EAST, SUN_NORTH = 20, 21, 22, 23
-C_DIRECT, C_DIFFUSE, C_AIR = 24, 27, 30  # of a white cloud
+C_DIRECT, C_DIFFUSE, C_AIR = 24, 27, 30  # the same for a white cloud
 C_TILT, C_SLANT, VALUE, HEAP, WARP, SLOPE = 33, 34, 35, 36, 37, 38
 SHADOW, TOWARD, FOOTPRINT, NIGHT, CIRRUS, C_MU, COS_VIEW, SIZE = 39, 40, 43, 44, 47, 48, 49, 50
 
@@ -40,18 +37,18 @@ AIRGLOW = np.array([5e-12, 8e-12, 1.5e-12])  # W/(m^3 sr): 200 to 300 rayleigh o
 class Eye(NamedTuple):
     """Where the ray starts and where the light comes from, in Earth-fixed axes."""
 
-    origin: np.ndarray
-    """(3) stretched [m]."""
-    sun: np.ndarray
-    """(3) unit, true."""
-    sun_stretched: np.ndarray
-    """(3) unit, stretched."""
-    irradiance: np.ndarray
-    """(3) of the Sun [W/m^2]."""
-    moon: np.ndarray
-    """(3) unit."""
+    origin: Float[np.ndarray, "3"]
+    """Place in stretched space [m]."""
+    sun: Float[np.ndarray, "3"]
+    """Unit vector to the Sun."""
+    sun_stretched: Float[np.ndarray, "3"]
+    """Unit vector to the Sun in stretched space."""
+    irradiance: Float[np.ndarray, "band=3"]
+    """Irradiance of the Sun [W/m^2]."""
+    moon: Float[np.ndarray, "3"]
+    """Unit vector to the Moon."""
     moon_half_angle: float
-    """rad; 0 is no Moon."""
+    """Angular radius of the Moon [rad]; 0 is no Moon."""
     show_sun: bool
     atmosphere: bool
     city_lights: bool
@@ -60,10 +57,10 @@ class Eye(NamedTuple):
 class World(NamedTuple):
     """What stays the same from frame to frame, and the clouds of this one."""
 
-    transmittance: np.ndarray
-    multiple: np.ndarray
-    sky_irradiance: np.ndarray
-    ground: tuple[np.ndarray, ...]
+    transmittance: Float32[np.ndarray, "r mu band=3"]
+    multiple: Float32[np.ndarray, "h mu_sun band=3"]
+    sky_irradiance: Float32[np.ndarray, "sun_nodes band=3"]
+    ground: tuple[UInt8[np.ndarray, "_rows _columns channel=7"], ...]
     clouds: Clouds
 
 

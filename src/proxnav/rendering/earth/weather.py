@@ -7,30 +7,33 @@ noise is read where they came from. That draws fronts, commas and filaments; noi
 from functools import cache
 
 import numpy as np
+from jaxtyping import Float, Float32
 
 from proxnav.rendering.earth.noise import SIZE, fractal
 from proxnav.rendering.earth.stored import stored
 
 ROWS, COLUMNS = 1024, 2048
+Field = Float[np.ndarray, "rows columns"]
+"""One number for each cell of the map."""
 
 
 @cache
-def weather() -> np.ndarray:
-    """(ROWS, COLUMNS) float32 in [0, 1]: rank of the place by its moisture; north first, west first."""
+def weather() -> Float32[np.ndarray, "rows columns"]:
+    """Rank in [0, 1] of each place by its moisture; north first, west first."""
     return stored("weather-2", _make)
 
 
-def _grid() -> tuple[np.ndarray, np.ndarray]:
+def _grid() -> tuple[Field, Field]:
     lon = (np.arange(COLUMNS) + 0.5) / COLUMNS * 2.0 * np.pi - np.pi
     lat = np.pi / 2.0 - (np.arange(ROWS) + 0.5) / ROWS * np.pi
     return np.meshgrid(lon, lat)
 
 
-def _on_sphere(lon: np.ndarray, lat: np.ndarray) -> np.ndarray:
+def _on_sphere(lon: Field, lat: Field) -> Float[np.ndarray, "rows columns 3"]:
     return np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], axis=-1)
 
 
-def _noise_at(points: np.ndarray, scale: float, offset: float) -> np.ndarray:
+def _noise_at(points: Float[np.ndarray, "rows columns 3"], scale: float, offset: float) -> Field:
     """Periodic noise read trilinearly; `scale` is periods per Earth radius."""
     from scipy.ndimage import map_coordinates
 
@@ -38,7 +41,7 @@ def _noise_at(points: np.ndarray, scale: float, offset: float) -> np.ndarray:
     return map_coordinates(fractal(), cells, order=1, mode="grid-wrap")
 
 
-def _stream(where: np.ndarray) -> np.ndarray:
+def _stream(where: Float[np.ndarray, "rows columns 3"]) -> Field:
     """Smooth stream function: plane waves in space cut by the sphere, eddies from 7000 km down to 1300 km."""
     rng = np.random.default_rng(11)
     psi = np.zeros(where.shape[:2])
@@ -49,7 +52,7 @@ def _stream(where: np.ndarray) -> np.ndarray:
     return psi
 
 
-def _flow(lon: np.ndarray, lat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _flow(lon: Field, lat: Field) -> tuple[Field, Field]:
     """Angular velocities (east / cos(lat), north) [rad per unit time] of a non-divergent flow."""
     tracks = np.exp(-(((np.abs(lat) - 0.85) / 0.40) ** 2))
     psi = _stream(_on_sphere(lon, lat)) * (0.45 + tracks)
@@ -61,7 +64,7 @@ def _flow(lon: np.ndarray, lat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (-d_north + jets) / cos, d_east / cos
 
 
-def _traced(steps: int = 50, dt: float = 0.015) -> tuple[np.ndarray, np.ndarray]:
+def _traced(steps: int = 50, dt: float = 0.015) -> tuple[Field, Field]:
     """Longitude and latitude from which the air at each grid point came."""
     import cv2
 
@@ -76,7 +79,7 @@ def _traced(steps: int = 50, dt: float = 0.015) -> tuple[np.ndarray, np.ndarray]
     return lon, lat
 
 
-def _climate(lat: np.ndarray) -> np.ndarray:
+def _climate(lat: Field) -> Field:
     """Departure of the cloud rank by latitude: tropical rain belt, dry subtropics, grey storm tracks."""
     degrees = np.degrees(lat)
     belt = 0.16 * np.exp(-(((degrees - 5.0) / 7.0) ** 2))
@@ -85,7 +88,7 @@ def _climate(lat: np.ndarray) -> np.ndarray:
     return belt + dry + tracks
 
 
-def _make() -> np.ndarray:
+def _make() -> Float32[np.ndarray, "rows columns"]:
     lon, lat = _traced()
     where = _on_sphere(lon, lat) * np.array([1.0, 1.0, 1.6])
     moisture = _noise_at(where, 0.22, 0.1) + 0.55 * _noise_at(where, 0.8, 0.5) + 0.25 * _noise_at(where, 2.6, 0.9)
@@ -93,7 +96,7 @@ def _make() -> np.ndarray:
     return _equalised(rank)
 
 
-def _equalised(field: np.ndarray) -> np.ndarray:
+def _equalised(field: Field) -> Float32[np.ndarray, "rows columns"]:
     """Monotone map to [0, 1] that makes every value equally frequent over the sphere."""
     weight = np.cos(_grid()[1]).ravel()
     order = np.argsort(field.ravel(), kind="stable")

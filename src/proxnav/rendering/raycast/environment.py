@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float, Float32, Int32
 
 from proxnav.geometry.compiled.kernel import ray_kernel
+from proxnav.rendering.earth.background import equirectangular
 
 LOBE_ALPHAS = (0.05, 0.15, 0.3, 0.6)
 """GGX widths of the levels; the first is the map itself."""
@@ -38,15 +39,6 @@ def build_environment(radiance: Float32[np.ndarray, "rows columns 3"]) -> Enviro
     return Environment(radiance, lobes.reshape(-1, _COARSE, 2 * _COARSE, 3))
 
 
-def map_directions(rows: int) -> Float[np.ndarray, "rows columns 3"]:
-    """Unit directions of the cell centres of a map."""
-    polar = np.pi * (np.arange(rows) + 0.5) / rows
-    azimuth = -np.pi + np.pi * (np.arange(2 * rows) + 0.5) / rows
-    sine = np.sin(polar)[:, None]
-    z = np.broadcast_to(np.cos(polar)[:, None], (rows, 2 * rows))
-    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), z], axis=-1)
-
-
 def map_cell(directions: Float[np.ndarray, "n 3"], rows: int) -> Int32[np.ndarray, "n"]:
     """Index of the cell that each unit direction falls into, row-major."""
     row = np.floor(np.arccos(np.clip(directions[:, 2], -1.0, 1.0)) / np.pi * rows).clip(0, rows - 1)
@@ -56,12 +48,12 @@ def map_cell(directions: Float[np.ndarray, "n 3"], rows: int) -> Int32[np.ndarra
 
 
 @cache
-def _lobe_weights() -> np.ndarray:
-    """(n_lobes, cells, cells) float32: share of each cell in the average about each direction.
+def _lobe_weights() -> Float32[np.ndarray, "n_lobes cells cells"]:
+    """Share of each cell in the average about each direction.
 
     View and normal are taken along the reflected ray (B. Karis, "Real shading in Unreal Engine 4", SIGGRAPH 2013).
     """
-    d = map_directions(_COARSE).reshape(-1, 3)
+    d = equirectangular(_COARSE).reshape(-1, 3)
     solid = np.repeat(np.sin(np.pi * (np.arange(_COARSE) + 0.5) / _COARSE), 2 * _COARSE)
     cosine = np.clip(d @ d.T, -1.0, 1.0)
     nh2 = 0.5 * (1.0 + cosine)

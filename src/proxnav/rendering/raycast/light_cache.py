@@ -8,7 +8,7 @@ frame the light is gathered over those links, as a progressive radiosity step wi
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32, Float64, Int32
+from jaxtyping import Bool, Float, Float32, Float64, Int, Int32
 
 from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.rendering.raycast.environment import map_cell
@@ -47,8 +47,14 @@ def build_cache(mesh: RenderMesh, tracer: Tracer, rays: int, rows: int) -> Light
     return LightCache(rays, _starts(sky), cell[sky], _starts(linked), point[linked], usable)
 
 
-def _look(mesh: RenderMesh, tracer: Tracer, positions: np.ndarray, directions: np.ndarray, rows: int):
-    """(n, rays) each: map cell or -1, cache point or -1, 1 where the ray meets a surface from inside."""
+def _look(
+    mesh: RenderMesh,
+    tracer: Tracer,
+    positions: Float[np.ndarray, "n 3"],
+    directions: Float[np.ndarray, "n rays 3"],
+    rows: int,
+) -> tuple[Int[np.ndarray, "n rays"], Int[np.ndarray, "n rays"], Bool[np.ndarray, "n rays"]]:
+    """Map cell or -1, cache point or -1, and whether the ray meets a surface from inside."""
     n, rays = directions.shape[:2]
     # the first steps skip what touches the point itself: the far side of a seam, or a face it lies on
     origins = positions[:, None] + 10.0 * OFFSET_M * directions
@@ -62,7 +68,12 @@ def _look(mesh: RenderMesh, tracer: Tracer, positions: np.ndarray, directions: n
     return cell, np.where(front, nearest, -1), (triangle >= 0) & (facing >= 0.0)
 
 
-def _nearest_corner(mesh: RenderMesh, triangle: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def _nearest_corner(
+    mesh: RenderMesh,
+    triangle: Int[np.ndarray, "n rays"],
+    origins: Float[np.ndarray, "n rays 3"],
+    directions: Float[np.ndarray, "n rays 3"],
+) -> Int[np.ndarray, "n rays"]:
     """Cache point of the corner nearest to where each ray meets its triangle."""
     corners = mesh.corners[triangle, :, POSITION : POSITION + 3]
     normals = mesh.normals[triangle]
@@ -89,7 +100,7 @@ def _hemisphere(normals: Float[np.ndarray, "n 3"], rays: int) -> Float[np.ndarra
     return np.einsum("kl,nlc->nkc", local, basis)
 
 
-def _starts(mask: np.ndarray) -> np.ndarray:
+def _starts(mask: Bool[np.ndarray, "n rays"]) -> Int32[np.ndarray, "n_plus_1"]:
     return np.concatenate([[0], np.cumsum(mask.sum(axis=1))]).astype(np.int32)
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32
 
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import SceneSpec
@@ -60,19 +60,19 @@ def light_up(scene: SceneSpec, model: Model, textures: TexelTable, config: Rayca
 def _gathered(
     model: Model,
     textures: TexelTable,
-    cosine: np.ndarray,
-    sun_irradiance: np.ndarray,
-    sky: np.ndarray | None,
+    cosine: Float[np.ndarray, "n_cache"],
+    sun_irradiance: Float[np.ndarray, "band=3"],
+    sky: Float32[np.ndarray, "rows columns band=3"] | None,
     config: RaycastConfig,
-) -> np.ndarray:
-    """(n_cache, 3) indirect irradiance, where the Sun shines with `cosine` (0 in shadow)."""
+) -> Float[np.ndarray, "n_cache band=3"]:
+    """Indirect irradiance of the light cache [W/m^2], where the Sun shines with `cosine` (0 in shadow)."""
     albedo = textures.mean_albedo[model.mesh.cache_part].astype(np.float64)
     emitted = np.pi * textures.emission[model.mesh.cache_part]
     return gather(model.cache, albedo, emitted, cosine[:, None] * sun_irradiance, sky, config.bounces)
 
 
-def _sun_seen(model: Model, sun: np.ndarray) -> np.ndarray:
-    """(n_cache,) 1 where a light-cache point sees the Sun, else 0."""
+def _sun_seen(model: Model, sun: Float[np.ndarray, "3"]) -> Float[np.ndarray, "n_cache"]:
+    """1 where a light-cache point sees the Sun, else 0."""
     mesh = model.mesh
     cosine = mesh.cache_normal @ sun
     facing = np.flatnonzero(cosine > 0.0)

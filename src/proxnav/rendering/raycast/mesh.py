@@ -6,8 +6,9 @@ Splitting is linear, so normals and texture coordinates interpolate exactly as o
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int, Int32
 
+from proxnav.geometry.types import Vector3
 from proxnav.targets import Target
 
 POSITION, CORNER_NORMAL, U, V = 0, 3, 6, 7
@@ -15,6 +16,8 @@ POSITION, CORNER_NORMAL, U, V = 0, 3, 6, 7
 coordinates [m]."""
 TANGENT_U, TANGENT_V = 0, 3
 """Places of the two vectors in a row of tangents."""
+Corners = Float[np.ndarray, "_n_faces 3 8"]
+Parts = Int[np.ndarray, "_n_faces"]
 _MAX_FACES = 400_000
 _NEXT = (1, 2, 0)
 
@@ -25,7 +28,7 @@ class RenderMesh:
 
     vertices: Float[np.ndarray, "n_vertices 3"]
     faces: Int[np.ndarray, "n_faces 3"]
-    corners: Float[np.ndarray, "n_faces 3 8"]
+    corners: Corners
     """POSITION to V of each corner, target axes."""
     normals: Float[np.ndarray, "n_faces 3"]
     """Unit geometric normals, outward by the winding."""
@@ -58,7 +61,7 @@ def build_mesh(target: Target, spacing_m: float) -> RenderMesh:
     )  # fmt: skip
 
 
-def _without_slivers(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _without_slivers(corners: Corners, part: Parts) -> tuple[Corners, Parts]:
     """Triangles that have an area; others cannot be hit and have no normal."""
     p = _positions(corners)
     area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
@@ -66,7 +69,7 @@ def _without_slivers(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray,
     return corners[keep], part[keep]
 
 
-def _split(corners: np.ndarray, part: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
+def _split(corners: Corners, part: Parts, longest: float) -> tuple[Corners, Parts]:
     """Halves long edges until none is left; neighbours halve a shared edge alike, so no crack opens."""
     while True:
         p = _positions(corners)
@@ -78,7 +81,7 @@ def _split(corners: np.ndarray, part: np.ndarray, longest: float) -> tuple[np.nd
         part = np.concatenate([piece[1] for piece in pieces])
 
 
-def _split_case(corners: np.ndarray, part: np.ndarray, long: np.ndarray, case: int) -> tuple[np.ndarray, np.ndarray]:
+def _split_case(corners: Corners, part: Parts, long: Bool[np.ndarray, "_n 3"], case: int) -> tuple[Corners, Parts]:
     """The triangles whose long edges are exactly the bits of `case`, cut at the middles of those edges."""
     pattern = [(case >> k) & 1 for k in range(3)]
     chosen = (long == pattern).all(axis=1)
@@ -102,7 +105,12 @@ def _cuts(pattern: list[int]) -> list[tuple[int, int, int]]:
     return [(3 + a, b, 3 + b), (a, 3 + a, 3 + b), (a, 3 + b, c)]
 
 
-def _cache_points(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _cache_points(
+    corners: Corners, part: Parts
+) -> tuple[
+    Int32[np.ndarray, "n_faces 3"], Float[np.ndarray, "n_cache 3"], Float[np.ndarray, "n_cache 3"],
+    Int32[np.ndarray, "n_cache"],
+]:  # fmt: skip
     """Index per corner, and position, normal and part of each point: corners that share all three are one."""
     position = _positions(corners).reshape(-1, 3)
     normal = _unit(corners[..., CORNER_NORMAL : CORNER_NORMAL + 3].reshape(-1, 3))
@@ -112,16 +120,16 @@ def _cache_points(corners: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np
     return inverse.reshape(-1, 3).astype(np.int32), position[first], normal[first], of_part[first]
 
 
-def _positions(corners: np.ndarray) -> np.ndarray:
+def _positions(corners: Float[np.ndarray, "*batch 8"]) -> Float[np.ndarray, "*batch 3"]:
     return corners[..., POSITION : POSITION + 3]
 
 
-def _normals(corners: np.ndarray) -> np.ndarray:
+def _normals(corners: Corners) -> Float[np.ndarray, "_n 3"]:
     p = _positions(corners)
     return _unit(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
 
 
-def _tangents(corners: np.ndarray) -> np.ndarray:
+def _tangents(corners: Corners) -> Float[np.ndarray, "_n 6"]:
     """Unit dP/du and dP/dv of each triangle; any orthogonal pair where the mapping is degenerate."""
     p, uv = _positions(corners), corners[..., U : V + 1]
     e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
@@ -135,5 +143,5 @@ def _tangents(corners: np.ndarray) -> np.ndarray:
     return np.concatenate([_unit(du), _unit(dv)], axis=1)
 
 
-def _unit(v: np.ndarray) -> np.ndarray:
+def _unit(v: Vector3) -> Vector3:
     return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-30)

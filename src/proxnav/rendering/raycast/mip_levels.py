@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Int32
 
 from proxnav.geometry.compiled.kernel import ray_kernel
 from proxnav.targets.surface.patterns.pattern import Pattern
@@ -30,7 +30,9 @@ def surface_size(surface: Surface) -> tuple[int, int]:
     return h, w
 
 
-def fill_levels(surface: Surface, skip: int, sizes: np.ndarray, texels: Float32[np.ndarray, "n 12"]) -> None:
+def fill_levels(
+    surface: Surface, skip: int, sizes: Int32[np.ndarray, "levels 2"], texels: Float32[np.ndarray, "n 12"]
+) -> None:
     """Writes the levels from `skip` on, each a halving of the one before, of (rows, columns) as `sizes` says."""
     h, w = surface_size(surface)
     half = max(1, h // 2) * max(1, w // 2)
@@ -67,12 +69,14 @@ def _paint(surface: PatternedTexture) -> _Paint:
 
 
 @lru_cache(maxsize=16)
-def _pattern_slopes(pattern: Pattern) -> np.ndarray:
+def _pattern_slopes(pattern: Pattern) -> Float32[np.ndarray, "2 h w"]:
     return _slopes(pattern.normal, pattern.tone.shape)
 
 
-def _slopes(normal: np.ndarray | None, shape: tuple[int, ...]) -> np.ndarray:
-    """(2, h, w) slopes along u and along v; (2, 0, 0) for a flat surface."""
+def _slopes(
+    normal: Float32[np.ndarray, "_rows _columns 3"] | None, shape: tuple[int, ...]
+) -> Float32[np.ndarray, "2 h w"]:
+    """Slopes along u and along v; no rows and columns for a flat surface."""
     if normal is None:
         return np.zeros((2, 0, 0), np.float32)
     slope = normal[..., :2] / np.maximum(normal[..., 2:], np.float32(0.1))

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int
 
 from proxnav.geometry import Camera
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
@@ -15,7 +15,7 @@ from proxnav.rendering.raycast.config import RaycastConfig
 from proxnav.rendering.raycast.lights import light_up
 from proxnav.rendering.raycast.model import Model, build_model
 from proxnav.rendering.raycast.rays import projected_box
-from proxnav.rendering.raycast.view import BATCH, Hits, View, look, probe, probe_all, select, shade
+from proxnav.rendering.raycast.view import BATCH, Hits, RenderView, look, probe, probe_all, select, shade
 from proxnav.targets import Target
 
 _WIDEST_PENUMBRA_PX = 32
@@ -76,14 +76,14 @@ def _empty(window: Window) -> RenderedFrame:
     )  # fmt: skip
 
 
-def _penumbra_px(view: View) -> int:
+def _penumbra_px(view: RenderView) -> int:
     """How far from a shadow's edge its softness may reach, at most [px]."""
     mesh = view.model.mesh
     nearest = max(float(np.linalg.norm(view.eye - mesh.centre)) - mesh.radius, 0.1)
     return int(min(1.0 + 3.0 * SUN_HALF_ANGLE * mesh.radius / (nearest * view.pixel_rad), _WIDEST_PENUMBRA_PX))
 
 
-def _region(model: Model, scene: SceneSpec, view: View, window: Window, halo: int) -> Window | None:
+def _region(model: Model, scene: SceneSpec, view: RenderView, window: Window, halo: int) -> Window | None:
     """The part of the window, widened by `halo`, that the target may cover; None when it covers nothing of it."""
     x0, y0 = window.x - halo, window.y - halo
     x1, y1 = window.x + window.width + halo, window.y + window.height + halo
@@ -94,7 +94,7 @@ def _region(model: Model, scene: SceneSpec, view: View, window: Window, halo: in
     return Window(x0, y0, x1 - x0, y1 - y0) if x1 > x0 and y1 > y0 else None
 
 
-def _fill(frame: RenderedFrame, view: View, region: Window, halo: int, config: RaycastConfig) -> None:
+def _fill(frame: RenderedFrame, view: RenderView, region: Window, halo: int, config: RaycastConfig) -> None:
     """Traces the region and writes what lies in the frame's window."""
     pixels = grid.grid_pixels(region.x, region.y, region.width, region.height)
     hits = probe_all(view, pixels)
@@ -113,17 +113,17 @@ def _fill(frame: RenderedFrame, view: View, region: Window, halo: int, config: R
         _write_centres(frame, view, pixels, select(seen, plain))
 
 
-def _inside(pixels: np.ndarray, window: Window) -> np.ndarray:
+def _inside(pixels: Int[np.ndarray, "n 2"], window: Window) -> Bool[np.ndarray, "n"]:
     x, y = pixels[:, 0] - window.x, pixels[:, 1] - window.y
     return (x >= 0) & (x < window.width) & (y >= 0) & (y < window.height)
 
 
-def _places(pixels: np.ndarray, window: Window) -> tuple[np.ndarray, np.ndarray]:
+def _places(pixels: Int[np.ndarray, "n 2"], window: Window) -> tuple[Int[np.ndarray, "n"], Int[np.ndarray, "n"]]:
     """(rows, columns) in the window's arrays."""
     return pixels[:, 1] - window.y, pixels[:, 0] - window.x
 
 
-def _refined(view: View, hits: Hits, region: Window, halo: int) -> Bool[np.ndarray, "n"]:
+def _refined(view: RenderView, hits: Hits, region: Window, halo: int) -> Bool[np.ndarray, "n"]:
     """Pixels of the region that one ray does not describe."""
     mesh, shape = view.model.mesh, (region.height, region.width)
     marked = np.zeros(shape, bool)
@@ -138,14 +138,16 @@ def _refined(view: View, hits: Hits, region: Window, halo: int) -> Bool[np.ndarr
     return marked.ravel()
 
 
-def _write_centres(frame: RenderedFrame, view: View, pixels: np.ndarray, hits: Hits) -> None:
+def _write_centres(frame: RenderedFrame, view: RenderView, pixels: Int[np.ndarray, "n 2"], hits: Hits) -> None:
     """Writes the radiance of pixels that their centre ray describes."""
     for i in range(0, len(hits.ray), BATCH):
         batch = select(hits, np.arange(i, min(i + BATCH, len(hits.ray))))
         frame.radiance[_places(pixels[batch.ray], frame.window)] = shade(view, batch, 1)
 
 
-def _write(frame: RenderedFrame, view: View, pixels: np.ndarray, samples: int, sun_steps: int) -> None:
+def _write(
+    frame: RenderedFrame, view: RenderView, pixels: Int[np.ndarray, "n 2"], samples: int, sun_steps: int
+) -> None:
     """Writes radiance and coverage of pixels as the mean over several samples."""
     step = max(1, BATCH // samples)
     for i in range(0, len(pixels), step):

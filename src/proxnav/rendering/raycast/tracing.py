@@ -3,7 +3,7 @@
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
-from jaxtyping import Bool, Float32, Int32
+from jaxtyping import Bool, Float, Float32, Int, Int32
 
 Rays = Float32[np.ndarray, "n 3"]
 
@@ -13,7 +13,7 @@ _FAR = np.float32(1e37)
 class Tracer:
     """A committed Embree scene; rays are float32 and answered one by one, so the answers depend on nothing else."""
 
-    def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
+    def __init__(self, vertices: Float[np.ndarray, "n_vertices 3"], faces: Int[np.ndarray, "n_faces 3"]) -> None:
         self._scene = EmbreeScene(robust=True)
         self._mesh = TriangleMesh(self._scene, vertices.astype(np.float32), faces.astype(np.int32))
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
+from jaxtyping import Bool, Float, Float32, Int, Int8
 
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
@@ -42,7 +42,7 @@ class Hits:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class RenderView:
     """Camera, target and light of one frame."""
 
     model: Model
@@ -63,14 +63,14 @@ class View:
 
 def look(
     model: Model, textures: TexelTable, lights: Lights, camera: Camera, T_cam_target: Pose, reflections: bool
-) -> View:
+) -> RenderView:
     """The view of a camera."""
     T_target_cam = T_cam_target.inverse()
-    return View(model, textures, lights, lens_numbers(camera), T_target_cam.R, T_target_cam.t_m, reflections)
+    return RenderView(model, textures, lights, lens_numbers(camera), T_target_cam.R, T_target_cam.t_m, reflections)
 
 
 def probe(
-    view: View, pixels: Int[np.ndarray, "n 2"], places: Float[np.ndarray, "m 2"], per_pixel: int, sun_steps: int
+    view: RenderView, pixels: Int[np.ndarray, "n 2"], places: Float[np.ndarray, "m 2"], per_pixel: int, sun_steps: int
 ) -> Hits:
     """What rays through `places` [px], `per_pixel` for each pixel, meet; `sun_steps` 0 aims at the Sun's centre."""
     rays, origins, directions = _rays(view, places)
@@ -84,7 +84,7 @@ def probe(
     return Hits(ray, triangle, position, depth, weights, *sunlit)
 
 
-def probe_all(view: View, pixels: Int[np.ndarray, "n 2"]) -> Hits:
+def probe_all(view: RenderView, pixels: Int[np.ndarray, "n 2"]) -> Hits:
     """What the rays through the centres of any number of pixels meet."""
     parts = []
     for begin in range(0, len(pixels), BATCH):
@@ -94,12 +94,12 @@ def probe_all(view: View, pixels: Int[np.ndarray, "n 2"]) -> Hits:
     return Hits(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Hits)))
 
 
-def select(hits: Hits, chosen: np.ndarray) -> Hits:
+def select(hits: Hits, chosen: Int[np.ndarray, "chosen"] | Bool[np.ndarray, "n"]) -> Hits:
     """Some of the hits, by index or flag."""
     return Hits(*(getattr(hits, f.name)[chosen] for f in fields(Hits)))
 
 
-def shade(view: View, hits: Hits, per_pixel: int) -> Float[np.ndarray, "n 3"]:
+def shade(view: RenderView, hits: Hits, per_pixel: int) -> Float[np.ndarray, "n 3"]:
     """Radiance of the hits towards the eye, each standing for one part in `per_pixel` of its pixel."""
     mesh, lights = view.model.mesh, view.lights
     surface = _surface(view, hits, view.pixel_rad / np.sqrt(per_pixel))
@@ -112,7 +112,10 @@ def shade(view: View, hits: Hits, per_pixel: int) -> Float[np.ndarray, "n 3"]:
     return radiance
 
 
-def _rays(view: View, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _rays(
+    view: RenderView, places: Float[np.ndarray, "m 2"]
+) -> tuple[Float[np.ndarray, "m 3"], Float32[np.ndarray, "m 3"], Float32[np.ndarray, "m 3"]]:
+    """Rays whose z in the camera is 1, in target axes, and where and along what Embree follows them."""
     n = len(places)
     rays, origins, directions = np.empty((n, 3)), np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
     mesh = view.model.mesh
@@ -121,14 +124,14 @@ def _rays(view: View, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
 
 
 def _sunlit(
-    view: View,
-    triangle: np.ndarray,
-    position: np.ndarray,
-    pixels: np.ndarray,
-    ray: np.ndarray,
+    view: RenderView,
+    triangle: Int[np.ndarray, "n"],
+    position: Float[np.ndarray, "n 3"],
+    pixels: Int[np.ndarray, "n_pixels 2"],
+    ray: Int[np.ndarray, "n"],
     per_pixel: int,
     steps: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[Float[np.ndarray, "n"], Int8[np.ndarray, "n"], Float32[np.ndarray, "n"]]:
     """(share of the Sun's disc, `Hits.shadow`, distance to the blocker) of each hit."""
     n = len(triangle)
     lit, shadow, blocker = np.zeros(n), np.full(n, -1, np.int8), np.zeros(n, np.float32)
@@ -149,8 +152,14 @@ def _sunlit(
 
 
 def _sun_directions(
-    view: View, pixels: np.ndarray, ray: np.ndarray, per_pixel: int, step: int, steps: int
-) -> np.ndarray:
+    view: RenderView,
+    pixels: Int[np.ndarray, "n_pixels 2"],
+    ray: Int[np.ndarray, "n"],
+    per_pixel: int,
+    step: int,
+    steps: int,
+) -> Float[np.ndarray, "n 3"]:
+    """Direction to a point of the Sun's disc for each ray, target axes."""
     if steps == 0:
         return np.broadcast_to(view.lights.sun, (len(ray), 3))
     directions = np.empty((len(pixels) * per_pixel, 3))
@@ -158,8 +167,8 @@ def _sun_directions(
     return directions[ray]
 
 
-def _surface(view: View, hits: Hits, pixel_rad: float) -> np.ndarray:
-    """(n, COLUMNS) description of the surface at each hit, its places as `surface` names them."""
+def _surface(view: RenderView, hits: Hits, pixel_rad: float) -> Float[np.ndarray, "n columns"]:
+    """Description of the surface at each hit, its places as `surface` names them."""
     mesh, textures = view.model.mesh, view.textures
     surface = np.empty((len(hits.triangle), COLUMNS))
     describe(
@@ -171,7 +180,9 @@ def _surface(view: View, hits: Hits, pixel_rad: float) -> np.ndarray:
     return surface
 
 
-def _shade_ambient(view: View, hits: Hits, surface: np.ndarray, radiance: np.ndarray) -> None:
+def _shade_ambient(
+    view: RenderView, hits: Hits, surface: Float[np.ndarray, "n columns"], radiance: Float[np.ndarray, "n band=3"]
+) -> None:
     """Adds the light cache's diffuse light and what the mirror rays see."""
     mesh, lights, table = view.model.mesh, view.lights, lobe_albedo_table()
     usable = view.model.cache.usable
