@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from proxnav.geometry import Camera
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import EarthSpec, SceneSpec, SunSpec
 from proxnav.records.frame import Window
 from proxnav.rendering.earth import background_image, background_radiance, moon, stars, sun
@@ -32,7 +33,7 @@ def test_the_sun_is_dimmed_in_eclipse_when_no_earth_hides_it():
 
 
 def test_the_suns_limb_is_darker_than_its_centre_most_of_all_in_blue():
-    edge = np.cos(0.97 * sun.HALF_ANGLE)
+    edge = np.cos(0.97 * SUN_HALF_ANGLE)
     ratios = [sun.disc(edge, band) / sun.disc(1.0, band) for band in range(3)]
     assert 1.0 > ratios[0] > ratios[1] > ratios[2] > 0.2
 
