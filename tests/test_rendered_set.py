@@ -1,22 +1,22 @@
 """Scenes to a data set, whichever process draws and however often it is killed."""
 
 import hashlib
-import random
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from boxcraft import boxcraft
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 from proxnav.rendered_set import render
 from proxnav.storage.lock import LOCK
+from proxnav.targets.loading import save_target
 
 RAYCAST = FrameConfig("raycast")
 SIDE = 96
@@ -63,28 +63,15 @@ def test_a_lock_that_a_killed_run_left_in_a_finished_set_is_removed(tmp_path):
 @pytest.mark.slow
 def test_a_render_killed_twenty_times_ends_like_one_that_was_not(tmp_path):
     # Kills are counted in frames, not seconds: a fast machine must not be done before the twentieth.
-    words = ["render", "--renderer", "raycast", "--frames", "160", "--size", "64"]
-    command = [sys.executable, "-m", "proxnav.cli.main", *words]
+    save_target(boxcraft(), tmp_path / "craft")
+    words = ["render", "--renderer", "raycast", "--preset", "approach-100-10m", "--target", str(tmp_path / "craft")]
+    words += ["--frames", "120", "--size", "64"]
+    command, folder = [sys.executable, "-m", "proxnav.cli.main", *words], tmp_path / "killed"
     subprocess.run([*command, "--out", str(tmp_path / "whole")], check=True, capture_output=True)
-    rng, folder = random.Random(5), tmp_path / "killed"
-
-    def written() -> int:
-        return sum(1 for _ in folder.rglob("*.json"))
-
-    killed = 0
-    while killed < 20:
-        run = subprocess.Popen([*command, "--out", str(folder)], stderr=subprocess.DEVNULL)
-        enough = written() + rng.randint(1, 4)
-        while run.poll() is None and written() < enough:
-            time.sleep(0.005)
-        time.sleep(rng.uniform(0.0, 0.03))  # a moment that may fall anywhere within a frame
-        if run.poll() is not None:
-            break
-        run.kill()
-        run.wait()
-        killed += 1
+    killing = [sys.executable, str(Path(__file__).with_name("killed_runs.py")), str(folder), *words]
+    killed = subprocess.run(killing, check=True, capture_output=True, text=True).stdout.split()[-1]
     subprocess.run([*command, "--out", str(folder)], check=True, capture_output=True)
-    assert killed >= 10
+    assert int(killed) >= 10
     assert fingerprint(folder) == fingerprint(tmp_path / "whole")
 
 
