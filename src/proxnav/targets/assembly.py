@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from proxnav.targets.solids import Piece
 from proxnav.targets.surface.mapping import corner_normals, corner_uv_m
@@ -39,7 +40,9 @@ def assemble(
     )
 
 
-def _join(pieces: Sequence[Piece], part_names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _join(
+    pieces: Sequence[Piece], part_names: tuple[str, ...]
+) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "m 3"], Int[np.ndarray, "m"]]:
     """Vertices, faces and part indices of all pieces; vertices that no face uses are dropped."""
     vertices, faces, part, offset = [], [], [], 0
     for piece in pieces:

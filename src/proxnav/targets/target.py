@@ -4,9 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.types import Points
 from proxnav.targets.surface.material import Material
 
 
@@ -15,21 +17,19 @@ class Target:
     """A rigid spacecraft, in metres and the target frame; triangles are counter-clockwise seen from outside."""
 
     name: str
-    vertices_m: np.ndarray
-    """(n, 3)."""
-    faces: np.ndarray
-    """(m, 3) int32 vertex indices."""
-    face_part: np.ndarray
-    """(m,) int32 index into `part_names`."""
+    vertices_m: Float[np.ndarray, "n_vertices 3"]
+    faces: Int[np.ndarray, "n_faces 3"]
+    """Vertex indices, kept as int32."""
+    face_part: Int[np.ndarray, "n_faces"]
+    """Index into `part_names`, kept as int32."""
     part_names: tuple[str, ...]
     materials: tuple[Material, ...]
     """One per part."""
-    corner_normals: np.ndarray
-    """(m, 3, 3) shading normals at the corners of each face, unit."""
-    corner_uv_m: np.ndarray
-    """(m, 3, 2) texture coordinates [m] on the surface at the corners of each face."""
-    keypoints_m: np.ndarray
-    """(k, 3)."""
+    corner_normals: Float[np.ndarray, "n_faces corner=3 3"]
+    """Shading normals at the corners of each face, unit."""
+    corner_uv_m: Float[np.ndarray, "n_faces corner=3 2"]
+    """Texture coordinates [m] on the surface at the corners of each face."""
+    keypoints_m: Points
     keypoint_names: tuple[str, ...]
     subsets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     """Named selections of keypoints, such as `six`: indices into the keypoint list."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
+from jaxtyping import Shaped
 
 from proxnav.errors import InputError
 from proxnav.storage.files import read_json, replacing, write_json
@@ -74,7 +75,7 @@ def _content(path: Path) -> dict[str, Any]:
     return content
 
 
-def _arrays(path: Path) -> dict[str, np.ndarray]:
+def _arrays(path: Path) -> dict[str, Shaped[np.ndarray, "..."]]:
     try:
         with zipfile.ZipFile(path) as archive:
             claimed = sum(entry.file_size for entry in archive.infolist())

@@ -32,11 +32,11 @@ class PointingConfig:
     jitter_deg: float = 0.0
     """Standard deviation of the pointing error per axis, drawn anew at every instant."""
     seed: int = 0
-    """Of the pointing error."""
+    """Seed of the pointing error."""
 
 
 FARTHEST_M = 1e9
-"""Of a coordinate; the Moon is at 4e8 m."""
+"""Largest coordinate [m]; the Moon is at 4e8 m."""
 
 
 def assemble(

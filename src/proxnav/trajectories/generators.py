@@ -27,7 +27,7 @@ class FlightConfig:
 
     epoch_utc: str = DEFAULT_EPOCH
     orbit: OrbitConfig = field(default_factory=OrbitConfig)
-    """Of the target."""
+    """Orbit of the target."""
     pointing: PointingConfig = field(default_factory=PointingConfig)
 
 

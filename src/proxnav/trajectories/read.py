@@ -13,6 +13,7 @@ from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import EARTH_POLAR_RADIUS, R_eci_lvlh, R_eci_ric
 from proxnav.geometry.epochs import Instant
 from proxnav.geometry.relative_motion import eci_from_ric
+from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.records import Trajectory
 from proxnav.trajectories.assemble import assemble
 from proxnav.trajectories.generators import time_grid
@@ -165,11 +166,11 @@ def _instants(used: list[History], epoch: Instant, config: ReaderConfig) -> Time
 
 def _chaser_states(
     history: OrbitHistory | None,
-    target: tuple[np.ndarray, np.ndarray],
+    target: tuple[Vector3, Vector3],
     epoch: Instant,
     t: Times,
     config: ReaderConfig,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Vector3, Vector3]:
     if history is None:
         rho = np.tile(np.array(config.chaser_ric_m), (len(t), 1))
         return eci_from_ric(*target, rho, np.zeros_like(rho))
@@ -181,9 +182,9 @@ def _attitude(
     history: AttitudeHistory | None,
     epoch: Instant,
     t: Times,
-    state: tuple[np.ndarray, np.ndarray],
+    state: tuple[Vector3, Vector3],
     q_body_model: tuple[float, ...] | None,
-) -> np.ndarray | None:
+) -> QuatWxyz | None:
     """q_eci_model; attitudes in orbital axes are completed by the craft's own orbit."""
     if history is None or q_body_model is None:
         return None
@@ -194,7 +195,7 @@ def _attitude(
     return quaternion.multiply(quaternion.from_matrix(axes), q)
 
 
-def _check_orbit(r_eci_m: np.ndarray, v_eci_mps: np.ndarray, source: str) -> None:
+def _check_orbit(r_eci_m: Float[np.ndarray, "n 3"], v_eci_mps: Float[np.ndarray, "n 3"], source: str) -> None:
     """Refuses what no unit or frame makes an orbit about Earth."""
     radius = np.linalg.norm(r_eci_m, axis=1)
     least, most = float(radius.min()), float(radius.max())

@@ -1,28 +1,18 @@
 """Parts of a trajectory."""
 
+from dataclasses import fields, replace
+
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int
 
 from proxnav.errors import InputError
 from proxnav.records import Trajectory
 
-_SERIES = (
-    "t",
-    "r_eci_target_m",
-    "v_eci_target_mps",
-    "q_eci_target",
-    "r_eci_chaser_m",
-    "v_eci_chaser_mps",
-    "q_eci_cam",
-    "sun_eci",
-    "sun_visible",
-)
 
-
-def select(trajectory: Trajectory, index: np.ndarray) -> Trajectory:
+def select(trajectory: Trajectory, index: Int[np.ndarray, "m"] | Bool[np.ndarray, "n"]) -> Trajectory:
     """The instants that an index array or a mask picks, in order of time."""
-    picked = {name: getattr(trajectory, name)[index] for name in _SERIES}
-    return Trajectory(epoch_utc=trajectory.epoch_utc, source=trajectory.source, **picked)
+    series = [f.name for f in fields(trajectory) if f.name not in ("epoch_utc", "source")]
+    return replace(trajectory, **{name: getattr(trajectory, name)[index] for name in series})
 
 
 def clip_range(trajectory: Trajectory, least_m: float, most_m: float) -> Trajectory:

@@ -4,6 +4,7 @@ from datetime import datetime
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry import quaternion
 from proxnav.geometry.epochs import Instant, parse_iso
@@ -47,13 +48,13 @@ def aem(trajectory: Trajectory, craft: Craft) -> str:
     return "\n".join([*head, "", "DATA_START", *rows, "DATA_STOP", ""])
 
 
-def _states(trajectory: Trajectory, craft: Craft) -> tuple[np.ndarray, np.ndarray]:
+def _states(trajectory: Trajectory, craft: Craft) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
     if craft == "target":
         return trajectory.r_eci_target_m, trajectory.v_eci_target_mps
     return trajectory.r_eci_chaser_m, trajectory.v_eci_chaser_mps
 
 
-def _attitudes(trajectory: Trajectory, craft: Craft) -> np.ndarray:
+def _attitudes(trajectory: Trajectory, craft: Craft) -> Float[np.ndarray, "n wxyz=4"]:
     return quaternion.normalize(trajectory.q_eci_target if craft == "target" else trajectory.q_eci_cam)
 
 

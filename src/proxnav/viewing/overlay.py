@@ -2,24 +2,28 @@
 
 import cv2
 import numpy as np
+from jaxtyping import Float, UInt8
 
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.types import Image, Pixels, Points
 from proxnav.images.tones import rgb_8_bit
 from proxnav.records import Keypoints
 
 _TRUE, _FOUND, _AXES = (90, 220, 90), (255, 200, 40), ((235, 70, 70), (70, 210, 70), (80, 130, 255))
 _SUBPIXEL = 4  # bits of cv2's fixed-point coordinates
+Canvas = UInt8[np.ndarray, "height width 3"]
+"""An RGB picture."""
 
 
 def overlay(
-    image: np.ndarray,
+    image: Image,
     camera: Camera,
     T_estimate: Pose | None = None,
     T_true: Pose | None = None,
-    points_target_m: np.ndarray | None = None,
+    points_target_m: Points | None = None,
     keypoints: Keypoints | None = None,
     axis_m: float = 2.0,
-) -> np.ndarray:
+) -> Canvas:
     """The image as RGB with: true keypoints (green crosses), found ones with 3-sigma ellipses (yellow), body axes.
 
     The estimated axes (x red, y green, z blue) are solid; the true ones are thin and white.
@@ -38,7 +42,7 @@ def overlay(
     return canvas
 
 
-def caption(canvas: np.ndarray, lines: list[str]) -> np.ndarray:
+def caption(canvas: Canvas, lines: list[str]) -> Canvas:
     """Lines of text in the upper left corner, on a dark ground."""
     canvas = canvas.copy()
     scale = max(canvas.shape[1] / 1024.0, 0.65)  # legible in small images too
@@ -50,7 +54,7 @@ def caption(canvas: np.ndarray, lines: list[str]) -> np.ndarray:
     return canvas
 
 
-def contact_sheet(images: list[np.ndarray], columns: int = 4, side: int = 384) -> np.ndarray:
+def contact_sheet(images: list[Image], columns: int = 4, side: int = 384) -> Canvas:
     """Images as one RGB sheet of square tiles."""
     tiles = [cv2.resize(rgb_8_bit(image), (side, side), interpolation=cv2.INTER_AREA) for image in images]
     blank = np.zeros_like(tiles[0])
@@ -58,7 +62,7 @@ def contact_sheet(images: list[np.ndarray], columns: int = 4, side: int = 384) -
     return np.vstack([np.hstack(tiles[i : i + columns]) for i in range(0, len(tiles), columns)])
 
 
-def _fixed(pixel: np.ndarray) -> tuple[int, int] | None:
+def _fixed(pixel: Pixels) -> tuple[int, int] | None:
     """cv2's fixed-point coordinates of a corner-origin pixel; None when it is not a drawable point."""
     if not np.isfinite(pixel).all() or np.abs(pixel).max() > 1e5:
         return None
@@ -66,7 +70,7 @@ def _fixed(pixel: np.ndarray) -> tuple[int, int] | None:
     return int(x), int(y)
 
 
-def _axes(canvas: np.ndarray, camera: Camera, T: Pose, length_m: float, colours: tuple, width: int) -> None:
+def _axes(canvas: Canvas, camera: Camera, T: Pose, length_m: float, colours: tuple, width: int) -> None:
     ends = camera.project(T @ np.vstack([np.zeros(3), np.eye(3) * length_m]))
     start = _fixed(ends[0])
     for end, colour in zip(ends[1:], colours, strict=True):
@@ -75,13 +79,13 @@ def _axes(canvas: np.ndarray, camera: Camera, T: Pose, length_m: float, colours:
             cv2.line(canvas, start, tip, colour, width, cv2.LINE_AA, _SUBPIXEL)
 
 
-def _cross(canvas: np.ndarray, pixel: np.ndarray) -> None:
+def _cross(canvas: Canvas, pixel: Pixels) -> None:
     if np.isfinite(pixel).all() and np.abs(pixel).max() < 1e5:
         place = tuple(int(v) for v in np.floor(pixel))
         cv2.drawMarker(canvas, place, _TRUE, cv2.MARKER_CROSS, 9, 1, cv2.LINE_AA)
 
 
-def _ellipse(canvas: np.ndarray, pixel: np.ndarray, covariance: np.ndarray) -> None:
+def _ellipse(canvas: Canvas, pixel: Pixels, covariance: Float[np.ndarray, "2 2"]) -> None:
     centre = _fixed(pixel)
     if centre is None or not np.isfinite(covariance).all():
         return

@@ -20,6 +20,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.geometry.pose_errors import HALF_TURN_RAD
 from proxnav.geometry.relative_motion import ric_from_eci
+from proxnav.geometry.types import Rotation3x3, Vector3
 from proxnav.records import Trajectory
 from proxnav.viewing.charts import running_median
 
@@ -87,8 +88,8 @@ def learning_curve(path: Path) -> Figure:
     return figure
 
 
-def _camera_in_ric(trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) camera positions in RIC [m] and (n, 3, 3) camera axes as columns in RIC."""
+def _camera_in_ric(trajectory: Trajectory) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3 3"]]:
+    """Camera positions in RIC [m] and camera axes as columns in RIC."""
     target = trajectory.r_eci_target_m, trajectory.v_eci_target_mps
     rho_m, _ = ric_from_eci(*target, trajectory.r_eci_chaser_m, trajectory.v_eci_chaser_mps)
     axes_eci = quaternion.to_matrix(trajectory.q_eci_cam)
@@ -98,8 +99,10 @@ def _camera_in_ric(trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     return rho_m, np.stack(axes, axis=-1)
 
 
-def _frustum(apex: np.ndarray, R_ric_cam: np.ndarray, size: float, half_angle_rad: float) -> list[np.ndarray]:
-    """Edges of the pyramid that a camera at `apex` sees, as (2, 3) lines in RIC [m]."""
+def _frustum(
+    apex: Vector3, R_ric_cam: Rotation3x3, size: float, half_angle_rad: float
+) -> list[Float[np.ndarray, "2 3"]]:
+    """Edges of the pyramid that a camera at `apex` sees, as lines in RIC [m]."""
     reach = np.tan(half_angle_rad)
     corners_cam = size * np.array([[-reach, -reach, 1], [reach, -reach, 1], [reach, reach, 1], [-reach, reach, 1]])
     corners = apex + corners_cam @ R_ric_cam.T
@@ -107,7 +110,7 @@ def _frustum(apex: np.ndarray, R_ric_cam: np.ndarray, size: float, half_angle_ra
     return sides + [np.stack([corners[k], corners[(k + 1) % 4]]) for k in range(4)]
 
 
-def _equal_scales(axes: Axes, points: np.ndarray) -> None:
+def _equal_scales(axes: Axes, points: Float[np.ndarray, "n 3"]) -> None:
     """One metre has the same length on all three axes."""
     low, high = points.min(axis=0), points.max(axis=0)
     extent = np.maximum(high - low, 0.3 * float((high - low).max()) + 1e-9)
@@ -119,14 +122,16 @@ def _equal_scales(axes: Axes, points: np.ndarray) -> None:
     axes.set_box_aspect(tuple(extent))  # pyright: ignore[reportArgumentType]
 
 
-def _curve(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str, label: str, style: str = "-") -> None:
+def _curve(
+    axes: Axes, x: Float[np.ndarray, "n"], y: Float[np.ndarray, "n"], colour: str, label: str, style: str = "-"
+) -> None:
     known = np.isfinite(y)
     axes.plot(x[known], y[known], style, color=colour, label=label)
     if known.any() and y[known].min() > 0:
         axes.set_yscale("log")
 
 
-def _columns(path: Path) -> dict[str, np.ndarray]:
+def _columns(path: Path) -> dict[str, Float[np.ndarray, "n"]]:
     """Columns of a curve.csv as numbers, NaN where a cell is empty; InputError names what is wrong."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
@@ -138,7 +143,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
     return {name: _numbers([row[name] for row in rows], f"{path}, column {name}") for name in rows[0] if name}
 
 
-def _numbers(cells: Sequence[str | None], where: str) -> np.ndarray:
+def _numbers(cells: Sequence[str | None], where: str) -> Float[np.ndarray, "n"]:
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError as error:

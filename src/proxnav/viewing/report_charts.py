@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 from markupsafe import Markup
 from scipy.stats import chi2, norm
 
@@ -107,7 +108,7 @@ def calibration(run: Run) -> dict[str, Any] | None:
     }
 
 
-def _nees_chart(nees: np.ndarray) -> str:
+def _nees_chart(nees: Float[np.ndarray, "n"]) -> str:
     top = 24.0  # chi-square with 6 degrees of freedom leaves 0.05 % beyond
     edges = np.linspace(0.0, top, 17)
     counts = np.histogram(np.minimum(nees, top - 1e-9), edges)[0] / (len(nees) * np.diff(edges))

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 from markupsafe import Markup
 from scipy.stats import norm
 
@@ -13,6 +14,7 @@ from proxnav.viewing.numbers import number
 
 _NAMES = ("radial", "in-track", "cross-track", "about target x", "about target y", "about target z")
 _POINTS = 500  # of a line; more than a chart has pixels for
+Series = Float[np.ndarray, "n"]
 
 
 def filter_section(solution: Solution | None) -> dict[str, Any] | None:
@@ -31,7 +33,7 @@ def filter_section(solution: Solution | None) -> dict[str, Any] | None:
     }
 
 
-def _chart(t: np.ndarray, errors: np.ndarray, sigmas: np.ndarray, k: int) -> str:
+def _chart(t: Series, errors: Series, sigmas: Series, k: int) -> str:
     unit = "m" if k < 3 else "deg"
     keep = np.unique(np.linspace(0, len(t) - 1, min(_POINTS, len(t))).round().astype(int))
     keep = keep[np.isfinite(errors[keep])]
@@ -45,7 +47,7 @@ def _chart(t: np.ndarray, errors: np.ndarray, sigmas: np.ndarray, k: int) -> str
     return band_chart(name, x, y, t[keep], -bound, bound, Line(points, "error"))
 
 
-def _row(errors: np.ndarray, sigmas: np.ndarray, k: int) -> dict[str, str]:
+def _row(errors: Series, sigmas: Series, k: int) -> dict[str, str]:
     known = np.isfinite(errors)
     inside = np.abs(errors[known]) <= 3.0 * sigmas[known]
     return {

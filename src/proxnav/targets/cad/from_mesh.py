@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from proxnav.errors import InputError
+from proxnav.geometry.types import Points
 from proxnav.targets.assembly import assemble
 from proxnav.targets.cad.axes import R_target_file
 from proxnav.targets.cad.mesh_file import FilePart, read_parts
@@ -63,7 +64,7 @@ def file_extents(path: Path, without: Sequence[str] = ()) -> tuple[float, float,
     return x, y, z
 
 
-def with_keypoints(target: Target, points_m: np.ndarray, names: Sequence[str]) -> Target:
+def with_keypoints(target: Target, points_m: Points, names: Sequence[str]) -> Target:
     """The target with these keypoints and, from six on, a well spread subset `six`."""
     first = int(np.argmax(np.linalg.norm(points_m - points_m.mean(axis=0), axis=1)))
     six = tuple(farthest_points(points_m, N_SUBSET, first)) if len(points_m) >= N_SUBSET else ()

@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Shaped
 
 MAX_BYTES = 64 * 2**20
 _MATRIX, _COMPRESSED = 14, 15
@@ -18,7 +19,7 @@ _NUMERIC_CLASSES = range(6, 16)  # double, single and the integers
 _COMPLEX = 0x08
 
 
-def read_matrices(content: bytes) -> dict[str, np.ndarray]:
+def read_matrices(content: bytes) -> dict[str, Shaped[np.ndarray, "rows columns"]]:
     """Real two-dimensional numeric matrices by name; ValueError where the bytes are no such file."""
     if len(content) < 136 or content[126:128] not in (b"IM", b"MI"):
         raise ValueError("no MATLAB 5 head")
@@ -61,7 +62,7 @@ def _elements(content: bytes, order: str) -> Iterator[tuple[int, bytes]]:
         place += step
 
 
-def _matrix(data: bytes, order: str) -> tuple[str, np.ndarray] | None:
+def _matrix(data: bytes, order: str) -> tuple[str, Shaped[np.ndarray, "rows columns"]] | None:
     """(name, values) of a real two-dimensional numeric matrix, None for anything else."""
     parts = list(_elements(data, order))
     if len(parts) < 4 or len(parts[0][1]) < 8:

@@ -48,7 +48,7 @@ def read_parts(path: Path) -> list[FilePart]:
     return _uniquely_named(parts)
 
 
-def _in_file_order(scene: Any) -> list[tuple[str, np.ndarray, Any]]:
+def _in_file_order(scene: Any) -> list[tuple[str, Float[np.ndarray, "4 4"], Any]]:
     """(geometry name, transform, mesh) of each node; the scene graph's own order and node names are partly random."""
     rank = {name: i for i, name in enumerate(scene.geometry)}
     nodes = [(str(name), np.asarray(T)) for T, name in (scene.graph[node] for node in scene.graph.nodes_geometry)]
@@ -72,7 +72,7 @@ def _node(node: str, mesh: Any, T: Float[np.ndarray, "4 4"]) -> list[FilePart]:
     ]
 
 
-def _material(albedo: np.ndarray, tones: Tones) -> Material:
+def _material(albedo: Float[np.ndarray, "3"], tones: Tones) -> Material:
     kind = "metal" if tones.metallic > 0.5 else "plain"
     rgb = (float(albedo[0]), float(albedo[1]), float(albedo[2]))
     return Material(kind, rgb, tones.metallic, tones.roughness)

@@ -7,7 +7,7 @@ breaks its rules raises ValueError; what comes out has the size that was asked f
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Int, UInt8
 
 MAX_INFLATION = 64
 """Decoded over encoded size that no stream can exceed: 16 equal bytes cost two bits."""
@@ -193,7 +193,7 @@ def _varint(data: Iterator[int]) -> int:
     raise ValueError("a number of more than five bytes")
 
 
-def _octahedral(packed: np.ndarray) -> np.ndarray:
+def _octahedral(packed: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
     """Unit vectors as normalised integers; the fourth component passes unchanged."""
     rows = packed.reshape(-1, 4)
     top = np.iinfo(packed.dtype).max

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
@@ -79,7 +79,7 @@ def _enough(good: Bool[np.ndarray, "n"]) -> bool:
     return int(good.sum()) >= 48
 
 
-def _thinned(points: Float[np.ndarray, "n 3"], score: Float[np.ndarray, "n"], cell_m: float) -> np.ndarray:
+def _thinned(points: Float[np.ndarray, "n 3"], score: Float[np.ndarray, "n"], cell_m: float) -> Int[np.ndarray, "m"]:
     """Indices of the sharpest vertex of each cell, at most MAX_CANDIDATES; order does not depend on the file's."""
     cell = np.floor(points / cell_m).astype(np.int64)
     order = np.lexsort((*points.T, -score.round(6)))
@@ -96,9 +96,9 @@ class Symmetry:
     angle_deg: float
     gap: float
     """95th percentile of the distance between the turned surface and the surface, as a share of the radius."""
-    R: np.ndarray
-    """(3, 3) and `t_m` (3,): the turn as p -> R p + t in the target frame."""
-    t_m: np.ndarray
+    R: Float[np.ndarray, "3 3"]
+    """With `t_m` the turn as p -> R p + t in the target frame."""
+    t_m: Float[np.ndarray, "3"]
 
 
 def near_symmetries(target: Target, rng: np.random.Generator, limit: float = 0.09) -> list[Symmetry]:

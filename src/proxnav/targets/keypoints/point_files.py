@@ -35,7 +35,7 @@ def load_points(path: Path | str) -> Loaded:
     return _checked(path, points, names)
 
 
-def _checked(path: Path, points: np.ndarray, names: list[str] | None) -> Loaded:
+def _checked(path: Path, points: Float[np.ndarray, "..."], names: list[str] | None) -> Loaded:
     points = np.atleast_1d(points)
     names = names or [f"p{i:02d}" for i in range(len(points))]
     if points.ndim != 2 or points.shape[1] != 3 or not 4 <= len(points) <= MAX_POINTS:
@@ -50,7 +50,7 @@ def _checked(path: Path, points: np.ndarray, names: list[str] | None) -> Loaded:
     return points, tuple(names)
 
 
-def _from_mat(path: Path) -> tuple[np.ndarray, list[str] | None]:
+def _from_mat(path: Path) -> tuple[Float[np.ndarray, "..."], list[str] | None]:
     try:
         arrays = read_matrices(path.read_bytes())
     except ValueError as error:
@@ -62,7 +62,7 @@ def _from_mat(path: Path) -> tuple[np.ndarray, list[str] | None]:
     return (points.T if points.shape[0] == 3 else points), None
 
 
-def _from_json(path: Path) -> tuple[np.ndarray, list[str] | None]:
+def _from_json(path: Path) -> tuple[Float[np.ndarray, "..."], list[str] | None]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError):
@@ -79,7 +79,7 @@ def _from_json(path: Path) -> tuple[np.ndarray, list[str] | None]:
     return _array(path, content), None if names is None else [str(name) for name in names]
 
 
-def _from_csv(path: Path) -> tuple[np.ndarray, list[str] | None]:
+def _from_csv(path: Path) -> tuple[Float[np.ndarray, "..."], list[str] | None]:
     rows = read_rows(path, MAX_BYTES)
     if not is_number(rows[0][-1]):
         rows = rows[1:]
@@ -90,7 +90,7 @@ def _from_csv(path: Path) -> tuple[np.ndarray, list[str] | None]:
     return _array(path, [row[-3:] for row in rows]), [row[0] for row in rows] if named else None
 
 
-def _array(path: Path, content: Any) -> np.ndarray:
+def _array(path: Path, content: Any) -> Float[np.ndarray, "..."]:
     try:
         points = np.array(content, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

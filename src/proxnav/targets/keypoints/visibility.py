@@ -62,6 +62,11 @@ def surface_samples(target: Target, n: int, rng: np.random.Generator) -> Float[n
     return a[face] + u * (b - a)[face] + v * (c - a)[face]
 
 
+Rays = Float[np.ndarray, "n 3"]
+Hits = tuple[Float[np.ndarray, "n"], Int[np.ndarray, "n"]]
+"""(distance, face) of each ray; infinite and -1 where it meets nothing."""
+
+
 @lru_cache(maxsize=8)
 def _intersector(target: Target) -> Any:
     """(origins, directions) -> (distances, faces) over the mesh, built once for each target object."""
@@ -78,7 +83,7 @@ def _embree(target: Target) -> Any:
     scene = EmbreeScene()
     mesh = TriangleMesh(scene, target.vertices_m.astype(np.float32), target.faces.astype(np.int32))
 
-    def cast(origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def cast(origins: Rays, directions: Rays) -> Hits:
         found = scene.run(origins.astype(np.float32), directions.astype(np.float32), output=True)
         face = np.asarray(found["primID"], dtype=np.int64)
         return np.where(face >= 0, found["tfar"].astype(np.float64), np.inf), face
@@ -95,7 +100,7 @@ def _every_triangle(target: Target) -> Any:
     a, b, c = (target.vertices_m[target.faces[:, i]] for i in range(3))
     e1, e2 = b - a, c - a
 
-    def cast_one(origin: np.ndarray, direction: np.ndarray) -> tuple[float, int]:
+    def cast_one(origin: Float[np.ndarray, "3"], direction: Float[np.ndarray, "3"]) -> tuple[float, int]:
         p = np.cross(direction, e2)
         det = np.einsum("ij,ij->i", e1, p)
         scale = 1.0 / np.where(np.abs(det) > 1e-15, det, np.inf)
@@ -106,7 +111,7 @@ def _every_triangle(target: Target) -> Any:
         face = int(np.argmin(t))
         return float(t[face]), face if np.isfinite(t[face]) else -1
 
-    def cast(origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def cast(origins: Rays, directions: Rays) -> Hits:
         hits = [cast_one(o, d) for o, d in zip(origins, directions, strict=True)]
         return np.array([t for t, _ in hits], dtype=np.float64), np.array([face for _, face in hits], dtype=np.int64)
 

@@ -1,7 +1,7 @@
 """The re-entry module: lifting body, base, two body flaps."""
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Int, Shaped
 
 from proxnav.targets.solids import Piece, box, loft_faces, moved, revolve
 from proxnav.targets.space_rider.params import SpaceRiderParams
@@ -35,7 +35,7 @@ def _skin(p: SpaceRiderParams, sections: Sections) -> list[Piece]:
     return [Piece(str(name), vertices, faces[names == name]) for name in dict.fromkeys(names)]
 
 
-def _part_of_faces(p: SpaceRiderParams, sections: Sections) -> np.ndarray:
+def _part_of_faces(p: SpaceRiderParams, sections: Sections) -> Shaped[np.ndarray, "n_faces"]:
     """Part names of the loft's triangles, in the order of `loft_faces`."""
     d = (sections.distance_m[:-1, None] + sections.distance_m[1:, None]) / 2
     zone, right = sections.zone[None, :], sections.right[None, :]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.interpolate import PchipInterpolator
 
 from proxnav.targets.space_rider.params import SpaceRiderParams
@@ -39,9 +39,9 @@ class Sections:
     points_m: Float[np.ndarray, "n_stations n_ring 3"]
     """In the target frame."""
     zone: Int[np.ndarray, "n_ring"]
-    """Of the strip between ring point j and j + 1: 0 belly, 1 chine, 2 side, 3 door seam, 4 doors, 5 marking."""
-    right: np.ndarray
-    """(n_ring,) whether that strip is on the right (+y)."""
+    """Zone of the strip between ring points j and j + 1: 0 belly, 1 chine, 2 side, 3 door seam, 4 doors, 5 marking."""
+    right: Bool[np.ndarray, "n_ring"]
+    """Whether that strip is on the right (+y)."""
 
 
 def body_sections(p: SpaceRiderParams) -> Sections:
@@ -81,7 +81,10 @@ def _half_section(p: SpaceRiderParams, distance_m: float) -> Float[np.ndarray, "
     return np.stack([np.full_like(y, p.nose_x_m - distance_m), y, z], axis=1)
 
 
-def _profile(w: float, flat: float, z_belly: float, chine: float, z_top: float) -> tuple[np.ndarray, np.ndarray]:
+Line = Float[np.ndarray, "n_half"]
+
+
+def _profile(w: float, flat: float, z_belly: float, chine: float, z_top: float) -> tuple[Line, Line]:
     """Belly line, elliptic chine, super-elliptic leeside (exponent 2.3: fuller than an ellipse)."""
     z_side = z_belly - chine
     a = np.linspace(0.0, np.pi / 2, N_CHINE + 1)[1:]
@@ -94,7 +97,7 @@ def _profile(w: float, flat: float, z_belly: float, chine: float, z_top: float) 
     return y, z
 
 
-def _width_table(p: SpaceRiderParams) -> np.ndarray:
+def _width_table(p: SpaceRiderParams) -> Float[np.ndarray, "n"]:
     """The width shares, with the dome's rim pinned to its diameter."""
     table = _WIDTH.copy()
     rim = np.searchsorted(_S, 0.087)
@@ -102,7 +105,7 @@ def _width_table(p: SpaceRiderParams) -> np.ndarray:
     return table
 
 
-def _lee_zones() -> np.ndarray:
+def _lee_zones() -> Int[np.ndarray, "n"]:
     middle = (LEE_ANGLES[:-1] + LEE_ANGLES[1:]) / 2
     zone = np.full(len(middle), 2)
     zone[middle > DOOR_ANGLE - SEAM] = 3

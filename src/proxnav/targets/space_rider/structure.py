@@ -1,6 +1,7 @@
 """Structural points of Space Rider that a camera can recognise: the candidates for keypoints."""
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.targets.space_rider import equipment
 from proxnav.targets.space_rider.params import SpaceRiderParams
@@ -52,9 +53,9 @@ def _module_points(p: SpaceRiderParams) -> dict[str, Point]:
     return points | {"star_tracker_upper": upper, "star_tracker_lower": lower}
 
 
-def _ring(distance_m: np.ndarray, wanted_m: float) -> int:
+def _ring(distance_m: Float[np.ndarray, "n_stations"], wanted_m: float) -> int:
     return int(np.argmin(np.abs(distance_m - wanted_m)))
 
 
-def _point(value: np.ndarray) -> Point:
+def _point(value: Float[np.ndarray, "3"]) -> Point:
     return float(value[0]), float(value[1]), float(value[2])

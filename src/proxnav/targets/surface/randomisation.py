@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float, Float32
 
 from proxnav.targets.surface.material import Material
 from proxnav.targets.surface.patterns.random_fields import field_bank
@@ -96,5 +96,5 @@ def _mixed_field(rng: np.random.Generator) -> Float32[np.ndarray, "h w"]:
     return amount * ((1 - share) * first + share * second)
 
 
-def _triple(values: np.ndarray) -> tuple[float, float, float]:
+def _triple(values: Float[np.ndarray, "3"]) -> tuple[float, float, float]:
     return float(values[0]), float(values[1]), float(values[2])

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from proxnav.errors import InputError
 from proxnav.geometry.epochs import Instant, parse_iso
 from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
-from proxnav.trajectories.readers.history import AttitudeHistory, Method, OrbitHistory, Segment
+from proxnav.trajectories.readers.history import AttitudeHistory, Method, OrbitHistory, Segment, Series
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number, read_lines
 
 QuaternionOrder = Literal["wxyz", "xyzw"]
@@ -78,7 +79,7 @@ def _attitude(
 
 
 def _rotations(
-    path: str | Path, block: _Block, values: np.ndarray, version: str, order: QuaternionOrder | None
+    path: str | Path, block: _Block, values: Float[np.ndarray, "n k"], version: str, order: QuaternionOrder | None
 ) -> Rotation:
     """Rotations that turn vectors of the destination axes into vectors of the origin's."""
     kind = block.meta.get("ATTITUDE_TYPE", "QUATERNION").lower()
@@ -121,7 +122,7 @@ def _interpolation(path: str | Path, block: _Block, with_velocity: bool) -> tupl
     return "hermite", max(((degree or 7) + 1) // 2, 2)
 
 
-def _series(path: str | Path, block: _Block, epoch: Instant) -> tuple[np.ndarray, np.ndarray]:
+def _series(path: str | Path, block: _Block, epoch: Instant) -> tuple[Series, Float[np.ndarray, "n k"]]:
     t = [moment - epoch for _, moment, _ in block.rows]
     lines = [line for line, _, _ in block.rows]
     check_times(t, lines, path)

@@ -23,17 +23,18 @@ class ReaderConfig:
     columns: tuple[str, ...] = ()
     """Names of the columns of a csv without header, for example t x_1 y_1 z_1 vx_1 vy_1 vz_1."""
     position_unit: str | None = None
-    """Of tables that do not say: m or km."""
+    """Unit of length of tables that do not say: m or km."""
     velocity_unit: str | None = None
-    """Of tables that do not say: m/s or km/s."""
+    """Unit of speed of tables that do not say: m/s or km/s."""
     time_unit: Literal["s", "min", "h", "day"] = "s"
-    """Of elapsed times without unit."""
+    """Unit of elapsed times that have none."""
     frame: str | None = None
     """Reference frame of tables that do not say: ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate."""
     quaternion_order: Literal["wxyz", "xyzw"] | None = None
     """Place of the scalar where the file does not say it; MATLAB's Aerospace Toolbox writes wxyz, STK xyzw."""
     quaternion_direction: Literal["reference_to_body", "body_to_reference"] = "reference_to_body"
-    """Of tables: STK, MATLAB's Aerospace Toolbox and Basilisk describe how the reference axes turn into the body's."""
+    """Sense of a table's quaternions: STK, MATLAB's Aerospace Toolbox and Basilisk turn the reference axes into the
+    body's."""
     q_body_target: Quadruple = (1.0, 0.0, 0.0, 0.0)
     """Model axes to the body axes whose attitude the file gives, wxyz."""
     use_target_attitude: bool = True
@@ -45,7 +46,7 @@ class ReaderConfig:
     target_orbit: OrbitConfig = field(default_factory=OrbitConfig)
     """Orbit of the target where files give relative motion only."""
     pointing: PointingConfig = field(default_factory=PointingConfig)
-    """Of the camera where no attitude is used."""
+    """Pointing of the camera where no attitude is used."""
     start_s: float | None = None
     """First instant, seconds past the target file's epoch; None is the first that all files cover."""
     stop_s: float | None = None

@@ -37,7 +37,7 @@ class ReferenceFrame:
 
     kind: FrameKind
     epoch: Instant | None = None
-    """Of frames that are frozen at an epoch."""
+    """Epoch at which a frame is frozen; None for frames of date and inertial ones."""
 
 
 def frame_kind(name: str) -> FrameKind | None:

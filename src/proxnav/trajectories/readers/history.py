@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
@@ -24,12 +24,12 @@ _SLACK_S = 1e-6  # rounding of printed times
 class Segment:
     """An arc without manoeuvres; nothing is interpolated from one segment into another."""
 
-    t: np.ndarray
-    """(n,) seconds past the history's epoch, strictly increasing."""
-    values: np.ndarray
-    """(n, 3) positions [m] or (n, 4) quaternions q_frame_body, wxyz."""
-    rates: np.ndarray | None = None
-    """(n, 3) velocities [m/s]."""
+    t: Series
+    """Seconds past the history's epoch, strictly increasing."""
+    values: Float[np.ndarray, "n k"]
+    """Positions [m] or quaternions q_frame_body, wxyz."""
+    rates: Float[np.ndarray, "n 3"] | None = None
+    """Velocities [m/s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,7 +120,7 @@ def split(t: Series, boundaries: Float[np.ndarray, "n_boundaries"]) -> list[slic
     return [*pieces, slice(start, len(t))]
 
 
-def _by_segment(history: History, local: Series) -> list[tuple[Segment, np.ndarray]]:
+def _by_segment(history: History, local: Series) -> list[tuple[Segment, Bool[np.ndarray, "n"]]]:
     """Segments with the queries that fall into them; at a boundary the later segment answers."""
     owner = np.full(len(local), -1)
     for k, segment in enumerate(history.segments):

@@ -29,8 +29,13 @@ def polynomials(
     return value, slope / scale[:, None]
 
 
-def _newton(x: np.ndarray, y: np.ndarray, dy: np.ndarray | None, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Divided differences over nodes x (n, m), repeated where slopes are given, and Horner's scheme at `at` (n,)."""
+def _newton(
+    x: Float[np.ndarray, "n m"],
+    y: Float[np.ndarray, "n m d"],
+    dy: Float[np.ndarray, "n m d"] | None,
+    at: Float[np.ndarray, "n"],
+) -> tuple[Values, Values]:
+    """Divided differences over the nodes x, repeated where slopes are given, and Horner's scheme at `at`."""
     if dy is not None:
         x, y = np.repeat(x, 2, axis=1), np.repeat(y, 2, axis=1)
     table, coefficients = y, [y[:, 0]]

@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from proxnav.errors import InputError
@@ -54,7 +55,9 @@ def read_stk_attitude(path: str | Path, scalar_first: bool | None = None) -> Att
     return AttitudeHistory(Path(path).stem, str(path), epoch, frame, segments, nodes, note)
 
 
-def _attitudes(file: StkFile, block: str, rows: list[Row], values: np.ndarray, scalar_first: bool | None) -> QuatWxyz:
+def _attitudes(
+    file: StkFile, block: str, rows: list[Row], values: Float[np.ndarray, "n k"], scalar_first: bool | None
+) -> QuatWxyz:
     """q_frame_body, wxyz."""
     if "quat" in block:
         first = block == "attitudetimequatscalarfirst" if scalar_first is None else scalar_first
@@ -70,7 +73,7 @@ def _attitudes(file: StkFile, block: str, rows: list[Row], values: np.ndarray, s
     return Rotation.from_euler(axes.upper(), values, degrees=True).as_quat(scalar_first=True)
 
 
-def _from_dcm(path: str, rows: list[Row], dcm: np.ndarray) -> QuatWxyz:
+def _from_dcm(path: str, rows: list[Row], dcm: Float[np.ndarray, "n 3 3"]) -> QuatWxyz:
     """The rows of each matrix are the body axes in the reference frame: it maps reference to body."""
     departure = np.abs(dcm @ np.swapaxes(dcm, 1, 2) - np.eye(3)).max(axis=(1, 2))
     wrong = (departure > 2e-3) | (np.linalg.det(dcm) < 0.0)

@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_FLATTENING, geodetic_to_ecef
 from proxnav.geometry.types import Vector3
 from proxnav.trajectories.readers.frames import ReferenceFrame
-from proxnav.trajectories.readers.history import Method, OrbitHistory, Segment, split
+from proxnav.trajectories.readers.history import Method, OrbitHistory, Segment, Series, split
 from proxnav.trajectories.readers.stk_file import Row, StkFile, data_rows, read_stk, reference_frame, scenario_epoch
 from proxnav.trajectories.readers.text import check_times, fail, number, numbers
 from proxnav.trajectories.readers.units import LENGTH
@@ -36,7 +37,7 @@ def read_stk_ephemeris(path: str | Path) -> OrbitHistory:
     return OrbitHistory(Path(path).stem, str(path), scenario_epoch(file), frame, segments, method, _nodes(file))
 
 
-def _states(file: StkFile, block: str, values: np.ndarray) -> tuple[Vector3, Vector3 | None]:
+def _states(file: StkFile, block: str, values: Float[np.ndarray, "n k"]) -> tuple[Vector3, Vector3 | None]:
     scale = _distance_unit(file)
     if "lla" not in block:
         return scale * values[:, :3], scale * values[:, 3:6] if "vel" in block else None
@@ -48,7 +49,7 @@ def _states(file: StkFile, block: str, values: np.ndarray) -> tuple[Vector3, Vec
     return r, _geodetic_velocity(latitude, longitude, scale * values[:, 2], rates)
 
 
-def _geodetic_velocity(latitude: np.ndarray, longitude: np.ndarray, altitude: np.ndarray, rates: Vector3) -> Vector3:
+def _geodetic_velocity(latitude: Series, longitude: Series, altitude: Series, rates: Vector3) -> Vector3:
     """Earth-fixed velocity of geodetic rates: east, north and up by the ellipsoid's radii of curvature."""
     e2 = EARTH_FLATTENING * (2.0 - EARTH_FLATTENING)
     w = 1.0 - e2 * np.sin(latitude) ** 2
@@ -80,7 +81,7 @@ def _nodes(file: StkFile) -> int:
     return file.integer("interpolationsamplesm1", older) + 1
 
 
-def _boundaries(file: StkFile) -> np.ndarray:
+def _boundaries(file: StkFile) -> Float[np.ndarray, "n_boundaries"]:
     """Times at which segments end, from the SegmentBoundaryTimes block; one or several in a line."""
     rows: list[Row] = file.blocks.get("segmentboundarytimes", [])
     times = [number(token, file.path, row.line, "a boundary time") for row in rows for token in row.tokens]

@@ -12,7 +12,15 @@ from proxnav.trajectories.readers.columns import Column, understand
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.dates import from_julian_date, parse_date, parse_duration
 from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
-from proxnav.trajectories.readers.history import AttitudeHistory, History, OrbitHistory, Segment, rate_note, split
+from proxnav.trajectories.readers.history import (
+    AttitudeHistory,
+    History,
+    OrbitHistory,
+    Segment,
+    Series,
+    rate_note,
+    split,
+)
 from proxnav.trajectories.readers.table import Table
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number
 from proxnav.trajectories.readers.units import LENGTH, TIME, speed
@@ -44,7 +52,7 @@ def histories(table: Table, config: ReaderConfig) -> list[History]:
 
 
 def _orbit(
-    table: Table, config: ReaderConfig, name: str, epoch: Instant, t: np.ndarray, mine: dict[str, Column]
+    table: Table, config: ReaderConfig, name: str, epoch: Instant, t: Series, mine: dict[str, Column]
 ) -> OrbitHistory:
     relative = set(_RIC) <= set(mine)
     places, speeds = (_RIC, _RIC_RATES) if relative else (_POSITION, _VELOCITY)
@@ -60,7 +68,7 @@ def _orbit(
 
 
 def _attitude(
-    table: Table, config: ReaderConfig, name: str, epoch: Instant, t: np.ndarray, mine: dict[str, Column]
+    table: Table, config: ReaderConfig, name: str, epoch: Instant, t: Series, mine: dict[str, Column]
 ) -> AttitudeHistory:
     q = np.stack([_cells(table, mine[key]) for key in _quaternion_columns(table, config, mine)], axis=-1)
     check_unit_quaternions(q, [line for line, _ in table.rows], table.path)
@@ -90,7 +98,7 @@ def _quaternion_columns(table: Table, config: ReaderConfig, mine: dict[str, Colu
     return ("q1", "q2", "q3", "q4") if order == "wxyz" else ("q4", "q1", "q2", "q3")
 
 
-def _scaled(table: Table, column: Column, config: ReaderConfig, t: np.ndarray) -> np.ndarray:
+def _scaled(table: Table, column: Column, config: ReaderConfig, t: Series) -> Series:
     """A length or speed column in SI."""
     moving = column.meaning in _VELOCITY or column.meaning.endswith("rate")
     option, given = ("velocity_unit", config.velocity_unit) if moving else ("position_unit", config.position_unit)
@@ -107,7 +115,7 @@ def _scaled(table: Table, column: Column, config: ReaderConfig, t: np.ndarray) -
     return factor * _cells(table, column)
 
 
-def _cells(table: Table, column: Column) -> np.ndarray:
+def _cells(table: Table, column: Column) -> Series:
     texts = [cells[column.index] for _, cells in table.rows]
     try:
         values = np.array(texts, dtype=np.float64)
@@ -131,7 +139,7 @@ def _frame(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> Refer
     raise InputError(f"{table.path}: the reference frame is not in the file; give frame, for example J2000 or Fixed")
 
 
-def _times(table: Table, columns: list[Column], config: ReaderConfig) -> tuple[Instant, np.ndarray]:
+def _times(table: Table, columns: list[Column], config: ReaderConfig) -> tuple[Instant, Series]:
     """(epoch, seconds past it): dates bring their epoch, elapsed times take the configured one."""
     named = [column for column in columns if column.meaning == "t"]
     column = named[0] if named else Column("time", 0, "t", "", "")
@@ -150,11 +158,11 @@ def _times(table: Table, columns: list[Column], config: ReaderConfig) -> tuple[I
     return parse_iso(config.epoch_utc), unit * _cells(table, column)
 
 
-def _dated(moments: list[Instant]) -> tuple[Instant, np.ndarray]:
+def _dated(moments: list[Instant]) -> tuple[Instant, Series]:
     return moments[0], np.array([moment - moments[0] for moment in moments])
 
 
-def _durations(table: Table, column: Column) -> np.ndarray:
+def _durations(table: Table, column: Column) -> Series:
     seconds = [parse_duration(cells[column.index]) for _, cells in table.rows]
     for (line, cells), value in zip(table.rows, seconds, strict=True):
         if value is None:

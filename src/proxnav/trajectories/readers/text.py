@@ -12,7 +12,7 @@ from proxnav.errors import InputError
 from proxnav.geometry.types import QuatWxyz
 
 MAX_BYTES = 2**30
-"""Of a trajectory file; a day at 10 Hz takes a tenth of it."""
+"""Largest trajectory file; a day at 10 Hz takes a tenth of it."""
 
 
 def read_lines(path: str | Path) -> list[str]:

@@ -13,6 +13,7 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.epochs import parse_iso
+from proxnav.geometry.types import Pixels
 from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.images.tones import as_8_bit
 from proxnav.storage.files import replacing
@@ -127,12 +128,12 @@ def _rotation(T: Pose) -> dict[str, float]:
     return dict(zip("wxyz", T.q_wxyz.tolist(), strict=True))
 
 
-def _circle(pixel: np.ndarray, diameter: float, colour: tuple[float, ...], stamp: dict[str, int]) -> dict[str, Any]:
+def _circle(pixel: Pixels, diameter: float, colour: tuple[float, ...], stamp: dict[str, int]) -> dict[str, Any]:
     return {"timestamp": stamp, "position": _xy(pixel), "diameter": diameter, "thickness": 1.0,
             "fill_color": _CLEAR, "outline_color": _rgba(colour)}  # fmt: skip
 
 
-def _xy(pixel: np.ndarray) -> dict[str, float]:
+def _xy(pixel: Pixels) -> dict[str, float]:
     return {"x": float(pixel[0]), "y": float(pixel[1])}
 
 

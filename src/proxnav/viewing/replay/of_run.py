@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses
 from proxnav.errors import InputError
@@ -14,6 +15,7 @@ from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import R_eci_ric
 from proxnav.geometry.perturbation import difference
+from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.storage.files import inside, read_json
 from proxnav.storage.tables import NumberTable, quaternion_columns, read_table, vector_columns
 from proxnav.targets import Target
@@ -22,6 +24,10 @@ from proxnav.viewing.replay.replay import Placement, Replay, Step, position_cova
 
 CAMERA_AXES = ("right", "down", "forward", "about right", "about down", "about forward")
 FLIGHT_AXES = ("radial", "in-track", "cross-track", "about target x", "about target y", "about target z")
+
+Series = Float[np.ndarray, "n"]
+Seen = tuple[Float[np.ndarray, "n_keypoints 2"], Float[np.ndarray, "n_keypoints 2 2"]]
+"""Keypoints of a frame [px] and their covariances [px^2]; NaN where not found."""
 
 
 def read_replay(folder: Path, target: str | None = None, every: int = 1) -> Replay:
@@ -91,9 +97,9 @@ def _of_flight(folder: Path, target: str | None) -> Replay:
 def _flight_step(
     solution: Solution,
     k: int,
-    q_ric_cam: np.ndarray,
+    q_ric_cam: QuatWxyz,
     truth: Placement | None,
-    seen: tuple[np.ndarray, np.ndarray] | None,
+    seen: Seen | None,
 ) -> Step:
     errors = solution.errors[k]
     return Step(
@@ -110,20 +116,20 @@ def _flight_step(
     )
 
 
-def _about_ric(q_ric_cam: np.ndarray, r_ric_m: np.ndarray, q_cam_target: np.ndarray) -> Placement:
+def _about_ric(q_ric_cam: QuatWxyz, r_ric_m: Vector3, q_cam_target: QuatWxyz) -> Placement:
     q_ric_target = quaternion.multiply(q_ric_cam, q_cam_target)
     return Placement(Pose("world", "cam", q_ric_cam, r_ric_m), Pose("world", "target", q_ric_target, np.zeros(3)))
 
 
-def _camera_attitude(folder: Path, t: np.ndarray) -> np.ndarray:
-    """(n, 4) q_ric_cam: the star tracker's reading nearest to each instant, in the axes of the target's orbit."""
+def _camera_attitude(folder: Path, t: Series) -> QuatWxyz:
+    """q_ric_cam: the star tracker's reading nearest to each instant, in the axes of the target's orbit."""
     orbit, stars = read_table(folder / "ephemeris.csv"), read_table(folder / "star_tracker.csv")
     R_ric_eci = np.swapaxes(R_eci_ric(_at(t, orbit, "r_eci", "m"), _at(t, orbit, "v_eci", "mps")), -1, -2)
     q_eci_cam = stars.block(*quaternion_columns("q_eci_cam"))[_nearest(stars.column("t_s"), t)]
     return quaternion.multiply(quaternion.from_matrix(R_ric_eci), unit(q_eci_cam))
 
 
-def _true_views(folder: Path, t: np.ndarray, q_ric_cam: np.ndarray) -> list[Placement | None]:
+def _true_views(folder: Path, t: Series, q_ric_cam: QuatWxyz) -> list[Placement | None]:
     """The truth's row nearest to each instant; none without truth.csv."""
     if not (folder / "truth.csv").is_file():
         return [None] * len(t)
@@ -132,7 +138,7 @@ def _true_views(folder: Path, t: np.ndarray, q_ric_cam: np.ndarray) -> list[Plac
     return [_about_ric(*row) for row in zip(q_ric_cam, _at(t, true, "r_ric", "m"), unit(q), strict=True)]
 
 
-def _keypoints(folder: Path, t: np.ndarray, n: int) -> list[tuple[np.ndarray, np.ndarray] | None]:
+def _keypoints(folder: Path, t: Series, n: int) -> list[Seen | None]:
     """(pixels, covariances) of the frame nearest to each instant, if one lies within 0.6 s."""
     if n == 0 or not (folder / "keypoints.csv").is_file():
         return [None] * len(t)
@@ -148,14 +154,14 @@ def _keypoints(folder: Path, t: np.ndarray, n: int) -> list[tuple[np.ndarray, np
     return [(pixels[k], cov[k]) if abs(times[k] - at) < 0.6 else None for k, at in zip(near, t, strict=True)]
 
 
-def _at(t: np.ndarray, table: NumberTable, stem: str, unit_name: str) -> np.ndarray:
+def _at(t: Series, table: NumberTable, stem: str, unit_name: str) -> Float[np.ndarray, "n 3"]:
     """Three columns interpolated at `t`."""
     rows = table.block("t_s", *vector_columns(stem, unit_name))
     return np.stack([np.interp(t, rows[:, 0], rows[:, 1 + k]) for k in range(3)], axis=1)
 
 
-def _nearest(times: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """(n,) index of the time nearest to each instant."""
+def _nearest(times: Float[np.ndarray, "m"], t: Series) -> Int[np.ndarray, "n"]:
+    """Index of the time nearest to each instant."""
     order = np.argsort(times, kind="stable")
     sorted_times = times[order]
     after = np.clip(np.searchsorted(sorted_times, t), 0, len(times) - 1)

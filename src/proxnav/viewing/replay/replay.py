@@ -5,8 +5,10 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry import Camera, Pose, so3
+from proxnav.geometry.types import Points
 from proxnav.targets.target import Target
 
 World = Literal["target", "ric"]
@@ -37,17 +39,17 @@ class Step:
     status: str
     truth: Placement | None = None
     estimate: Placement | None = None
-    covariance_m2: np.ndarray | None = None
-    """(3, 3) of the camera's estimated position, world axes."""
-    pose_covariance: np.ndarray | None = None
-    """(6, 6) of T_cam_target, as PoseResult has it."""
-    errors: np.ndarray | None = None
-    """(6,) true less estimated: position [m], attitude [rad], in the axes that `Replay.axes` names."""
-    sigmas: np.ndarray | None = None
-    """(6,) standard deviations claimed for them."""
-    pixels: np.ndarray | None = None
-    """(n, 2) keypoints that were found [px], NaN where not."""
-    covariances_px2: np.ndarray | None = None
+    covariance_m2: Float[np.ndarray, "3 3"] | None = None
+    """Covariance of the camera's estimated position, world axes."""
+    pose_covariance: Float[np.ndarray, "6 6"] | None = None
+    """Covariance of T_cam_target, as PoseResult has it."""
+    errors: Float[np.ndarray, "6"] | None = None
+    """True less estimated: position [m], attitude [rad], in the axes that `Replay.axes` names."""
+    sigmas: Float[np.ndarray, "6"] | None = None
+    """Standard deviations claimed for the errors."""
+    pixels: Float[np.ndarray, "n_keypoints 2"] | None = None
+    """Keypoints that were found [px], NaN where not."""
+    covariances_px2: Float[np.ndarray, "n_keypoints 2 2"] | None = None
     image: Path | None = None
 
 
@@ -58,13 +60,13 @@ class Replay:
     title: str
     world: World
     camera: Camera
-    keypoints_m: np.ndarray
-    """(n, 3) in the target frame."""
+    keypoints_m: Points
+    """Keypoints in the target frame."""
     steps: tuple[Step, ...]
     axes: tuple[str, ...]
     """Six names for the components of the errors."""
     epoch_utc: str = ""
-    """Of t; empty where the frames are no sequence: then t counts frames, one a second."""
+    """Epoch of t; empty where the frames are no sequence: then t counts frames, one a second."""
     target: Target | None = None
     """Mesh to show; None where it cannot be found."""
 
@@ -74,8 +76,8 @@ class Replay:
         return bool(self.epoch_utc)
 
 
-def position_covariance(T_cam_target: Pose, covariance: np.ndarray) -> np.ndarray:
-    """(3, 3) of the camera's position in target axes [m^2], from the (6, 6) of T_cam_target.
+def position_covariance(T_cam_target: Pose, covariance: Float[np.ndarray, "6 6"]) -> Float[np.ndarray, "3 3"]:
+    """Covariance of the camera's position in target axes [m^2], from that of T_cam_target.
 
     r = -R^T t, with t + dt and exp(dr) R: dr_target = -R^T (dt + [t]x dr).
     """

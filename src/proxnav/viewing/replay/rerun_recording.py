@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
+from proxnav.geometry.types import QuatWxyz
 from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.images.tones import as_8_bit
 from proxnav.storage.files import replacing
@@ -136,7 +138,7 @@ def _log_errors(replay: Replay, step: Step, recording: Any) -> None:
             recording.log(f"{place}/3_sigma_below", rr.Scalars(-bound))
 
 
-def ellipses(step: Step, points: int = 24) -> list[np.ndarray]:
+def ellipses(step: Step, points: int = 24) -> list[Float[np.ndarray, "points 2"]]:
     """3-sigma ellipses of the found keypoints, each a closed line [px]."""
     if step.pixels is None or step.covariances_px2 is None:
         return []
@@ -213,11 +215,11 @@ def _transform(T: Pose) -> Any:
     return rr.Transform3D(translation=T.t_m, quaternion=rr.Quaternion(xyzw=_xyzw(T.q_wxyz)))
 
 
-def _xyzw(q_wxyz: np.ndarray) -> np.ndarray:
+def _xyzw(q_wxyz: QuatWxyz) -> Float[np.ndarray, "xyzw=4"]:
     return np.roll(q_wxyz, -1)
 
 
-def _finite(pixels: np.ndarray) -> np.ndarray:
+def _finite(pixels: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
     return pixels[np.isfinite(pixels).all(axis=1)]
 
 

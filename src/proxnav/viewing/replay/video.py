@@ -9,11 +9,12 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.types import GreyImage
 from proxnav.images.codecs import read_image
 from proxnav.records import Keypoints
 from proxnav.storage.files import replacing
 from proxnav.targets import Target
-from proxnav.viewing.overlay import caption, overlay
+from proxnav.viewing.overlay import Canvas, caption, overlay
 from proxnav.viewing.replay.replay import Replay, Step
 
 
@@ -36,8 +37,8 @@ def save_video(replay: Replay, path: Path, frames_per_s: float = 10.0, side: int
         container.mux(stream.encode())
 
 
-def draw_step(replay: Replay, step: Step) -> np.ndarray:
-    """(h, w, 3) uint8 RGB picture of one step; over a sketch of the target where the run has no image."""
+def draw_step(replay: Replay, step: Step) -> Canvas:
+    """RGB picture of one step; over a sketch of the target where the run has no image."""
     camera, shown = replay.camera, step.truth or step.estimate
     if step.image is not None and step.image.is_file():
         image = read_image(step.image)
@@ -51,8 +52,8 @@ def draw_step(replay: Replay, step: Step) -> np.ndarray:
     return caption(canvas, _lines(replay, step))
 
 
-def sketch(target: Target, camera: Camera, T_cam_target: Pose) -> np.ndarray:
-    """(h, w) uint8: the mesh in flat grey, lit from the camera, far triangles first. No render: only to see it."""
+def sketch(target: Target, camera: Camera, T_cam_target: Pose) -> GreyImage:
+    """The mesh in flat grey, lit from the camera, far triangles first. No render: only to see it."""
     image = np.zeros((camera.height, camera.width), np.uint8)
     corners = (T_cam_target @ target.vertices_m)[target.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int
 
 Field = Float32[np.ndarray, "h w"]
 
@@ -45,12 +45,14 @@ def normals_of_height(height_m: Float[np.ndarray, "h w"], tile_m: float) -> Floa
     return (normal / np.linalg.norm(normal, axis=-1, keepdims=True)).astype(np.float32)
 
 
-def cell_index(size: int, rows: int, columns: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def cell_index(
+    size: int, rows: int, columns: int
+) -> tuple[Int[np.ndarray, "h w"], Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """For each texel of a regular grid: its cell's number, and its place (row, column) in the cell, 0 to 1."""
     i, j = np.meshgrid((np.arange(size) + 0.5) / size * rows, (np.arange(size) + 0.5) / size * columns, indexing="ij")
     return i.astype(int) * columns + j.astype(int), i % 1.0, j % 1.0
 
 
-def edge_distance(place: np.ndarray, pitch_m: float) -> np.ndarray:
+def edge_distance(place: Float[np.ndarray, "h w"], pitch_m: float) -> Float[np.ndarray, "h w"]:
     """Distance [m] to the nearer border of the cell, along one direction."""
     return np.minimum(place, 1.0 - place) * pitch_m

@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float, Float32
 from scipy.spatial import KDTree
 
 from proxnav.targets.surface.patterns.pattern import periodic_noise
@@ -27,7 +27,7 @@ def field_bank() -> Float32[np.ndarray, "n 128 128"]:
     return bank
 
 
-def _cells(count: int, seed: int) -> np.ndarray:
+def _cells(count: int, seed: int) -> Float[np.ndarray, "128 128"]:
     """Voronoi cells on the torus, each with its own value."""
     rng = np.random.default_rng(seed)
     x = (np.arange(SIZE) + 0.5) / SIZE

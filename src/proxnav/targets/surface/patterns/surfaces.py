@@ -3,6 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
+from jaxtyping import Float, Float32
 
 from proxnav.targets.surface.material import MaterialKind
 from proxnav.targets.surface.patterns.pattern import (
@@ -114,12 +115,12 @@ def _plain() -> Pattern:
     return _pattern(0.6, tone, np.zeros((64, 64)), (0.0, 0.0, 0.0), 0.0, 0.5, np.ones((64, 64)), None)
 
 
-def _smooth_step(x: np.ndarray, width: float) -> np.ndarray:
+def _smooth_step(x: Float[np.ndarray, "h w"], width: float) -> Float[np.ndarray, "h w"]:
     """0 below -width/2, 1 above width/2, a line between: an edge as wide as a texel does not flicker."""
     return np.clip(x / width + 0.5, 0.0, 1.0)
 
 
-def _read_only(values: np.ndarray) -> np.ndarray:
+def _read_only(values: Float[np.ndarray, "*texels"]) -> Float32[np.ndarray, "*texels"]:
     """The values as read-only float32."""
     values = np.ascontiguousarray(values, dtype=np.float32)
     values.setflags(write=False)
@@ -128,13 +129,13 @@ def _read_only(values: np.ndarray) -> np.ndarray:
 
 def _pattern(
     tile_m: float,
-    tone: np.ndarray,
-    accent: np.ndarray,
+    tone: Float[np.ndarray, "h w"],
+    accent: Float[np.ndarray, "h w"],
     accent_albedo: tuple[float, float, float],
     accent_metallic: float,
     accent_roughness: float,
-    roughness: np.ndarray,
-    height_m: np.ndarray | None,
+    roughness: Float[np.ndarray, "h w"],
+    height_m: Float[np.ndarray, "h w"] | None,
 ) -> Pattern:
     normal = None if height_m is None else _read_only(normals_of_height(np.asarray(height_m, np.float64), tile_m))
     fields = _read_only(tone), _read_only(accent)
