@@ -9,7 +9,8 @@ from proxnav.cli.main import main
 from proxnav.closed_loop import ClosedLoopConfig, frame_times
 from proxnav.datasets.sensor_records.files import read_records
 from proxnav.errors import InputError
-from proxnav.estimator import PoseEstimator, shipped_models
+from proxnav.estimator import PoseEstimator
+from proxnav.models.loading import shipped_models
 
 needs_weights = pytest.mark.skipif(not shipped_models(), reason="no shipped weights in this clone")
 
@@ -19,13 +20,13 @@ def test_the_filter_tells_the_estimator_where_to_look(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     boxes = []
-    observe = PoseEstimator.observe
+    unwatched = PoseEstimator.keypoints_and_pose
 
     def watched(self, image, camera, box=None):
         boxes.append(box)
-        return observe(self, image, camera, box)
+        return unwatched(self, image, camera, box)
 
-    monkeypatch.setattr(PoseEstimator, "observe", watched)
+    monkeypatch.setattr(PoseEstimator, "keypoints_and_pose", watched)
     out = tmp_path / "loop"
     argv = ["simulate", "--out", str(out), "--camera", "raycast", "--start-s", "4600", "--duration-s", "10"]
     assert main([*argv, "--truth.step-s", "0.5"]) == 0

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 import torch
 
+from proxnav.detection.heatmap.config import HeatmapNetConfig, HeatmapSettings
 from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
-from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
-from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
+from proxnav.detection.heatmap.finder import FinderNet
+from proxnav.detection.heatmap.network import HeatmapNet
 from proxnav.detection.sessions import open_session
 from proxnav.errors import InputError
-from proxnav.estimator import PoseEstimator, write_model_card
+from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.images.tones import grey_8_bit
+from proxnav.models.card import ModelCard, write_card
 from proxnav.records import Keypoints
 from proxnav.targets.space_rider import space_rider
 
@@ -26,19 +28,13 @@ def model(tmp_path_factory):
     """A model folder of small untrained networks."""
     torch.manual_seed(1)
     folder, target = tmp_path_factory.mktemp("model"), space_rider()
-    net = HeatmapNet(HeatmapNetConfig(trunk="resnet10", width=16))
+    net = HeatmapNet(HeatmapNetConfig("resnet10", 16), 24)
     with torch.no_grad():
         net.logits.weight.mul_(300.0)  # clear peaks, as a trained network has
     export(ReadKeypoints(net), ReadKeypoints.OUTPUTS, SIDE, folder, "crop")
-    export(FindTarget(FinderNet(FinderConfig(width=16))), ("probability",), SIDE, folder, "finder")
-    card = {
-        "detector": "heatmap",
-        "target": target.name,
-        "keypoint_names": list(target.keypoint_names),
-        "keypoints_m": target.keypoints_m.tolist(),
-        "settings": {"crop_side": SIDE, "finder_side": SIDE},
-    }
-    write_model_card(folder, card)
+    export(FindTarget(FinderNet(width=16)), ("probability",), SIDE, folder, "finder")
+    settings = HeatmapSettings(SIDE, SIDE)
+    write_card(folder, ModelCard(target.name, target.keypoint_names, target.keypoints_m, settings))
     return folder
 
 
@@ -48,7 +44,7 @@ def noise(dtype=np.uint8, shape=(192, 256)):
 
 def test_onnx_runtime_reads_what_torch_reads(model):
     crops = np.stack([noise(shape=(SIDE, SIDE)), noise(shape=(SIDE, SIDE))[::-1]])
-    net = HeatmapNet(HeatmapNetConfig(trunk="resnet10", width=16))
+    net = HeatmapNet(HeatmapNetConfig("resnet10", 16), 24)
     from safetensors.torch import load_file
 
     reader = ReadKeypoints(net).eval()

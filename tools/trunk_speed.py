@@ -11,9 +11,9 @@ from typing import get_args
 
 import numpy as np
 
+from proxnav.detection.heatmap.config import HeatmapNetConfig, Trunk
 from proxnav.detection.heatmap.export import ReadKeypoints, export
-from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
-from proxnav.detection.heatmap.trunks import Trunk
+from proxnav.detection.heatmap.network import HeatmapNet
 from proxnav.detection.sessions import open_session
 
 
@@ -27,7 +27,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         sessions, size = {}, {}
         for trunk in get_args(Trunk):
-            net = HeatmapNet(HeatmapNetConfig(trunk=trunk)).eval()
+            net = HeatmapNet(HeatmapNetConfig(trunk), 24).eval()
             export(ReadKeypoints(net), ReadKeypoints.OUTPUTS, options.side, Path(folder), trunk)
             sessions[trunk] = open_session(Path(folder) / f"{trunk}.onnx")
             size[trunk] = sum(p.numel() for p in net.parameters()) / 1e6

@@ -102,7 +102,7 @@ def _hand_over(readings: list[Reading], navigator: Navigator, t: float) -> None:
 
 def _read(estimator: PoseEstimator, image: np.ndarray, camera: Camera, box: Box | None, t: float) -> _Found | None:
     """Keypoints and pose of one frame; None where the estimator has no pose."""
-    keypoints, result = estimator.observe(image, camera, box)
+    keypoints, result = estimator.keypoints_and_pose(image, camera, box)
     pose = result.T_cam_target
     if pose is None or result.covariance is None:
         return None

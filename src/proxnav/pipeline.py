@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Any
 
 from proxnav.cluster.progress import Progress, silent
-from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
-from proxnav.estimator import PoseEstimator
+from proxnav.estimation import estimate_images
 from proxnav.evaluation.judgement import Judgement, judge
 from proxnav.frames import FrameConfig
 from proxnav.missions import Mission, fly
 from proxnav.missions.scenes import follow
+from proxnav.models.loading import load_model
 from proxnav.rendered_set import render
 from proxnav.viewing.run_writer import write_report, write_run
 
@@ -23,7 +23,7 @@ def run(
 
     `options` is the dataclass that the run was asked with, which config.json keeps. The same call resumes.
     """
-    estimator = PoseEstimator.load(model)
+    points_m = load_model(model).card.keypoints_m
     if not mission.flight.trajectory:
         raise InputError(f"mission '{mission.name}' has no trajectory to fly; spiral-10-100m, for one, has")
     trajectory = fly(mission.flight.trajectory)
@@ -33,16 +33,11 @@ def run(
     with progress(f"render ({rendering.renderer})", len(scenes)) as done:
         dataset = render(scenes, rendering, out / f"images-{rendering.renderer}", 1, done)
 
-    records, keypoints = [], []
     with progress("estimate", len(dataset)) as done:
-        for k, label in enumerate(dataset.labels):
-            found, result = estimator.observe(dataset.image(k), dataset.camera)
-            records.append(PoseRecord(label.filename, result.T_cam_target, result.status, result.covariance))
-            keypoints.append(found)
-            done()
+        records, keypoints = estimate_images(dataset.image_paths, dataset.camera, model, done=done)
 
     judgement = judge(records, dataset)
 
-    write_run(out, judgement, dataset, estimator.points_target_m, keypoints, options)
+    write_run(out, judgement, dataset, points_m, keypoints, options)
     write_report(out, f"demo: {mission.name}")
     return judgement

@@ -10,7 +10,7 @@ from proxnav.benchmarks.monte_carlo import Case, RunJob
 from proxnav.cli.main import main
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import run_anywhere
-from proxnav.commands.look_jobs import LookJob
+from proxnav.estimation import SceneEstimateJob
 from proxnav.flight.simulate import SensingConfig, SimulationConfig
 from proxnav.flight.truth import TruthConfig
 from proxnav.missions import fly, load_mission
@@ -51,7 +51,7 @@ def test_looks_at_scenes_are_the_same_in_two_processes_and_on_ray() -> None:
     scenes = draw_scenes(mission, 3, 5, 256)
     found = []
     for on, model in (("pool", "space-rider-fast"), ("ray", Carried.of(shipped))):
-        job = LookJob(model, load_target(mission.target), "onnxruntime")
+        job = SceneEstimateJob(model, load_target(mission.target), "onnxruntime")
         seen = {scene.index: result for scene, result in run_anywhere(job, scenes, 2, on)}
         found.append([(keypoints.pixels, result.status) for _, (keypoints, result) in sorted(seen.items())])
     for (pixels, status), (others, other) in zip(*found, strict=True):

@@ -35,7 +35,7 @@ from proxnav.detection.keypoint_rcnn.train import (
     study_small,
     train_keypoint_rcnn,
 )
-from proxnav.detection.keypoint_rcnn.views import quarter_turned, seen_through
+from proxnav.detection.keypoint_rcnn.views import seen_through
 from proxnav.detection.keypoint_rcnn.weights import load_network, packed, save_network, start_from, unpacked
 from proxnav.detection.samples import TrainingSample
 from proxnav.detection.training import LoopConfig
@@ -180,11 +180,10 @@ def centroid(image: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("view", [Crop(0, 0, 80), Crop(14, -3, 48), Crop(10, 4, 48)])
-@pytest.mark.parametrize("turns", [0, 1, 2, 3])
-def test_what_the_network_sees_agrees_with_its_labels(view: Crop, turns: int) -> None:
+def test_what_the_network_sees_agrees_with_its_labels(view: Crop) -> None:
     point = np.array([34.3, 27.8])
     sample = TrainingSample(dot(*point), point[None], np.array([2]), np.array([*(point - 3), *(point + 3)]))
-    seen = quarter_turned(seen_through(sample, view, 64), turns)
+    seen = seen_through(sample, view, 64)
     np.testing.assert_allclose(centroid(seen.image.astype(float)), seen.keypoints_px[0], atol=0.1)  # px
     np.testing.assert_allclose((seen.box_xyxy[:2] + seen.box_xyxy[2:]) / 2, seen.keypoints_px[0], atol=1e-9)
 
@@ -210,13 +209,13 @@ def finder(point: np.ndarray, score: float = 0.9):
     return run
 
 
-@pytest.mark.parametrize("looks", [1, 2])
+@pytest.mark.parametrize("passes", [1, 2])
 @pytest.mark.parametrize("kind", ["grey", "colour", "16 bit"])
-def test_keypoints_come_back_in_pixels_of_the_full_image(looks: int, kind: str) -> None:
+def test_keypoints_come_back_in_pixels_of_the_full_image(passes: int, kind: str) -> None:
     point = np.array([41.3, 27.8])
     image = dot(*point)
     image = {"grey": image, "colour": np.dstack([image] * 3), "16 bit": image.astype(np.uint16) << 4}[kind]
-    found = detect(finder(point), image, 64, 1, DetectConfig(looks=looks)).keypoints
+    found = detect(finder(point), image, 64, 1, DetectConfig(passes=passes)).keypoints
     assert found.status == "ok"
     np.testing.assert_allclose(found.pixels[0], point, atol=0.1)  # px
     assert (np.linalg.eigvalsh(found.covariances_px2) > 0).all()
@@ -340,7 +339,7 @@ def test_a_mask_head_without_masks_is_refused() -> None:
 @pytest.mark.slow
 def test_the_network_learns_a_solid_from_scratch_and_runs_without_torch(tmp_path: Path) -> None:
     loop = LoopConfig(steps=150, batch_size=8, log_every=10, average_decay=0.98, accelerator="cpu")
-    config = TrainKeypointRcnnConfig(TINY, loop, rate=2e-3, quarter_turns=False)
+    config = TrainKeypointRcnnConfig(TINY, loop, rate=2e-3)
     result = train_keypoint_rcnn(config, drawings(SIDE, 0.5), tmp_path)
     network, _ = load_network(result.weights)
     fresh = [drawing(np.random.default_rng([99, index]), SIDE, 0.5) for index in range(30)]

@@ -147,14 +147,17 @@ def test_steps_that_are_not_finite_are_left_out_and_counted(tmp_path: Path) -> N
     assert all(torch.isfinite(value).all() for value in state.values())  # batch statistics too
 
 
-def test_endless_nan_ends_the_run_and_keeps_the_last_good_checkpoint(tmp_path: Path) -> None:
+def test_endless_nan_ends_the_run_and_keeps_the_last_good_checkpoint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("proxnav.detection.training.loop.MOST_SKIPPED", 5)
     calls = count()
 
     def soon_nan(model: nn.Module, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
         factor = torch.nan if next(calls) >= 8 else 1.0
         return {"point": loss(model, batch)["point"] * factor}
 
-    config = replace(CONFIG, save_every=2, max_skipped_in_a_row=5)
+    config = replace(CONFIG, save_every=2)
     with pytest.raises(InputError, match=r"not finite 5 steps in a row up to step 9: lower the learning rate"):
         train(learner(loss=soon_nan), source, config, tmp_path)
     content = load_checkpoint(tmp_path / "checkpoint.pt")

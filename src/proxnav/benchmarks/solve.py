@@ -33,10 +33,11 @@ def benchmark_solve(cases: int = 10_000, seed: int = 0, keypoints: Sequence[int]
     """Time and error of each solver for each number of keypoints, and how many times faster ours is.
 
     A case: points uniform in a box of 8 x 6 x 3 m, any attitude, 10-100 m, 1 px of noise, a fifth of the keypoints
-    anywhere in the image. Medians and percentiles count a case without a pose as 180 deg and an
-    E_TN of 1; times are the median over
-    blocks of cases, the solvers taking turns.
+    anywhere in the image. Medians and percentiles count a case without a pose as 180 deg and an E_TN of 1; times are
+    the median over blocks of cases, the solvers taking turns.
     """
+    if cases < 1 or seed < 0:
+        raise InputError(f"the benchmark needs at least 1 case and a seed from 0 on, found {cases}, {seed}")
     return {
         "cases": cases, "seed": seed, "noise_px": _NOISE_PX, "outliers": _OUTLIERS,
         **{f"{n}_keypoints": _compare(n, cases, seed) for n in keypoints},

@@ -1,8 +1,13 @@
 """Options that several commands share: such a command's dataclass is derived from the one that holds them."""
 
+import json
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 from proxnav.cluster.jobs import POOL, check_workers
+from proxnav.storage.files import write_json
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,3 +22,19 @@ class WorkerOptions:
     def check(self) -> None:
         """InputError unless so many workers can be had there; the command line asks before it runs the command."""
         check_workers(self.workers, self.on)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultOptions:
+    """How a benchmark gives its result."""
+
+    json: bool = False
+    """Print JSON instead of a table."""
+    out: Path | None = None
+    """Folder for the result as JSON."""
+
+    def give(self, found: dict[str, Any], name: str, table: Callable[[dict[str, Any]], str]) -> None:
+        """Prints the result, as JSON or as a table, and keeps it in the folder as `name`.json."""
+        if self.out is not None:
+            write_json(self.out / f"{name}.json", found, indent=1)
+        print(json.dumps(found, indent=1) if self.json else table(found))

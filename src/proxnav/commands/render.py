@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
+from proxnav.benchmarks.dry_run import rendering_dry_run
 from proxnav.cli.options import WorkerOptions
 from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.errors import InputError
@@ -71,10 +72,7 @@ def run(config: RenderConfig) -> None:
     if config.clouds is not None:
         scenes = under_clouds(scenes, config.clouds)
     if config.dry_run:
-        from proxnav.commands.dry_run import of_rendering
-
-        estimate = of_rendering(scenes, FrameConfig(config.renderer, config.samples), config.workers)
-        print(estimate.text(f"{len(scenes)} frames"))
+        print(rendering_dry_run(scenes, FrameConfig(config.renderer, config.samples), config.workers))
         return
     with progress("render", len(scenes)) as done:
         dataset = render(

@@ -7,13 +7,13 @@ from typing import Literal
 import numpy as np
 
 from proxnav.cli.options import WorkerOptions
-from proxnav.commands.estimate_jobs import carried_model
 from proxnav.commands.many_runs import run_many, single
 from proxnav.commands.simulate_jobs import Flight, FlightJob, write_flight
 from proxnav.errors import InputError
 from proxnav.flight.simulate import SensingConfig
 from proxnav.flight.truth import TruthConfig
 from proxnav.missions import fly, load_mission
+from proxnav.models.loading import carried_model
 from proxnav.records import Trajectory
 from proxnav.targets.loading import load_target
 from proxnav.trajectories.read import read_trajectory

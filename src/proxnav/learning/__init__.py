@@ -1,1 +1,1 @@
-"""Where rendering and detection meet to train: samples drawn on line, validation, calibration."""
+"""Where rendering and detection meet to train: samples drawn on line, set-ups, validation, calibration, export."""

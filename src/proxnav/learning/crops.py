@@ -4,21 +4,18 @@ A crop smaller than the network's input is drawn at the sensor's resolution; a l
 binned, because the network sees the mean of them anyway.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, count, islice
 
 import numpy as np
 
-from proxnav.cluster.local import in_order
-from proxnav.detection.samples import SampleSource, TrainingSample
-from proxnav.errors import InputError
+from proxnav.detection.samples import TrainingSample
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_of_mask, box_of_points, cut_at_edges
 from proxnav.images.crop import Crop, resample
 from proxnav.images.tones import as_8_bit
-from proxnav.missions import Mission
+from proxnav.missions import Mission, load_mission
 from proxnav.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.scenes.random_scene import random_scene
@@ -32,6 +29,19 @@ QUICK = RaycastConfig(
     samples=4, sun_samples=4, bounces=0, ambient_rays=12, ambient_spacing_m=1.0, environment_rows=16, reflections=False
 )
 """Ray casting at the quality that training needs."""
+BEHIND_M = (0.0, 0.0, -50.0)
+"""Position of a target behind the camera, which leaves the picture to the sky, camera axes [m]."""
+_MARGINS = (1.05, 1.6)
+"""Side of the crop over the longer side of the box, uniform in between: the finder is not exact."""
+_SHIFT = 0.12
+"""Most offset of the crop's centre over the longer side of the box."""
+_ALIKE = 12
+"""Neighbouring samples that share the target's textures: painting them costs more than drawing a crop."""
+
+
+def observation(target: str) -> Mission:
+    """The mission of the shipped models, to another target."""
+    return replace(load_mission("observation-10-100m"), target=target)
 
 
 @dataclass(frozen=True)
@@ -41,14 +51,7 @@ class CropConfig:
     mission: Mission
     side: int = 128
     """Pixels of the network's input."""
-    margin: tuple[float, float] = (1.05, 1.6)
-    """Side of the crop over the longer side of the box, uniform in between: the finder is not exact."""
-    shift: float = 0.12
-    """Most offset of the crop's centre over the longer side of the box."""
     seed: int = 1
-    raycast: RaycastConfig = QUICK
-    alike: int = 12
-    """Neighbouring samples that share the target's textures: painting them costs more than drawing a crop."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,7 @@ class CropJob:
 
     def __call__(self) -> Callable[[int], TrainingSample]:
         config, target = self.config, load_target(self.config.mission.target)
-        renderer = RaycastRenderer(target, config.raycast)
+        renderer = RaycastRenderer(target, QUICK)
 
         def make(index: int) -> TrainingSample:
             scene = _scene(index, config)
@@ -80,7 +83,7 @@ class WholeFrameJob:
 
     def __call__(self) -> Callable[[int], TrainingSample]:
         config, target = self.config, load_target(self.config.mission.target)
-        renderer = RaycastRenderer(target, config.raycast)
+        renderer = RaycastRenderer(target, QUICK)
 
         def make(index: int) -> TrainingSample:
             scene = _scene(index, config)
@@ -104,50 +107,19 @@ class MixedJob:
         return lambda index: near(index) if index % 2 else whole(index)
 
 
-BEHIND_M = (0.0, 0.0, -50.0)
-"""Position of a target behind the camera, which leaves the picture to the sky."""
-
-
-def sample_source(
-    job: Callable[[], Callable[[int], TrainingSample]], workers: int, repeats: int = 1, block: int = 512
-) -> SampleSource:
-    """The endless stream of a job's samples, drawn by `workers` processes ahead of the learner.
-
-    Drawing costs more than learning: each block of samples passes `repeats` times before the next one, and the
-    learner's augmentation makes each pass another view. Sample i is the same for every stride that divides `block`.
-    """
-
-    if workers < 1 or repeats < 1:
-        raise InputError(f"workers and repeats must be at least 1, found {workers} and {repeats}")
-
-    def stream(start: int, stride: int) -> Iterator[TrainingSample]:
-        own = lambda number: range(number * block + start % stride, (number + 1) * block, stride)  # noqa: E731
-        number, skip = start // (repeats * block), (start % (repeats * block)) // stride
-        drawn = in_order(job, chain.from_iterable(own(n) for n in count(number)), workers, ahead=block // stride)
-        while True:
-            kept = list(islice(drawn, block // stride))
-            order = np.random.default_rng([number, start % stride])
-            passes = [kept[i] for _ in range(repeats) for i in order.permutation(len(kept))]
-            yield from passes[skip:]
-            number += 1
-            skip = 0
-
-    return stream
-
-
 def _scene(index: int, config: CropConfig) -> SceneSpec:
     """Scene `index`, read by a camera of its own, in the textures of its group."""
-    draw = partial(draw_sensor, base=config.mission.sensor)
-    scene = random_scene(index, config.seed, config.mission.scenes, config.mission.target, config.mission.camera, draw)
-    looks = np.random.default_rng([config.seed, index // config.alike, 3])
-    texture = TextureSpec(looks.uniform(*config.mission.looks.textures), int(looks.integers(2**31)))
+    mission, draw = config.mission, partial(draw_sensor, base=config.mission.sensor)
+    scene = random_scene(index, config.seed, mission.scenes, mission.target, mission.camera, draw)
+    looks = np.random.default_rng([config.seed, index // _ALIKE, 3])
+    texture = TextureSpec(looks.uniform(*mission.looks.textures), int(looks.integers(2**31)))
     return replace(scene, texture=texture)
 
 
 def _jittered(box: np.ndarray, config: CropConfig, rng: np.random.Generator) -> Crop:
     longer = max(box[2] - box[0], box[3] - box[1])
-    shift = config.shift * longer * rng.uniform(-1.0, 1.0, size=2)
-    return Crop.around(box + np.tile(shift, 2), margin=rng.uniform(*config.margin))
+    shift = _SHIFT * longer * rng.uniform(-1.0, 1.0, size=2)
+    return Crop.around(box + np.tile(shift, 2), margin=rng.uniform(*_MARGINS))
 
 
 def _draw(scene: SceneSpec, crop: Crop, side: int, target: Target, renderer: RaycastRenderer) -> TrainingSample:

@@ -8,17 +8,18 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from proxnav.detection.heatmap.augment import AugmentConfig, augment
+from proxnav.detection.heatmap.augment import moved
+from proxnav.detection.heatmap.config import HeatmapNetConfig, HeatmapSettings, Trunk
 from proxnav.detection.heatmap.decode import covariances, decode, sample_spread
 from proxnav.detection.heatmap.detector import HeatmapDetector
-from proxnav.detection.heatmap.loss import LossConfig, _gaussian, keypoint_loss
-from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig, Maps
+from proxnav.detection.heatmap.loss import _gaussian, keypoint_loss
+from proxnav.detection.heatmap.network import HeatmapNet, Maps
 from proxnav.detection.heatmap.patch import brightest_patches
-from proxnav.detection.heatmap.trunks import Trunk
 from proxnav.detection.samples import TrainingSample
 from proxnav.images.crop import Crop, cut
 
 inside = st.floats(5.0, 27.0)
+NO_MASK = torch.zeros(1, 32, 32)
 
 
 @given(inside, inside)
@@ -45,8 +46,7 @@ def _maps(point, log_sigma):
 def test_the_spread_term_is_least_at_the_true_deviation():
     truth = torch.tensor([[[16.0, 17.0]]])
     nll = [
-        float(keypoint_loss(_maps([14.0, 16.0], (np.log(sx), 0.0)), truth, torch.tensor([[2]]), torch.zeros(1, 32, 32),
-                            LossConfig(spread_weight=1.0))["spread"])
+        float(keypoint_loss(_maps([14.0, 16.0], (np.log(sx), 0.0)), truth, torch.tensor([[2]]), NO_MASK)["spread"])
         for sx in (1.0, 1.8, 2.0, 2.2, 4.0)
     ]  # fmt: skip
     assert np.argmin(nll) == 2  # the error along x is 2 cells
@@ -67,13 +67,13 @@ def test_the_spread_is_read_in_the_cell_of_the_point():
 def test_points_outside_the_crop_carry_no_weight():
     maps = _maps([14.0, 16.0], (0.0, 0.0))
     truth = torch.tensor([[[-3.0, 8.0]]])
-    terms = keypoint_loss(maps, truth, torch.tensor([[0]]), torch.zeros(1, 32, 32), LossConfig())
+    terms = keypoint_loss(maps, truth, torch.tensor([[0]]), NO_MASK)
     assert float(terms["position"]) == 0.0
 
 
 @pytest.mark.parametrize("trunk", get_args(Trunk))
 def test_every_trunk_gives_a_quarter_of_the_resolution(trunk):
-    maps = HeatmapNet(HeatmapNetConfig(n_keypoints=7, trunk=trunk, width=16))(torch.rand(2, 1, 64, 96))
+    maps = HeatmapNet(HeatmapNetConfig(trunk, 16), 7)(torch.rand(2, 1, 64, 96))
     assert maps.logits.shape == (2, 7, 16, 24)
     assert maps.spread.shape == (2, 21, 16, 24)
     assert maps.mask.shape == (2, 1, 16, 24)
@@ -113,11 +113,10 @@ def test_augmentation_moves_labels_with_the_image(seed):
     dot = np.array([60.2, 70.7])
     image = np.round(_dot(np.zeros((128, 128)), dot)).astype(np.uint8)
     sample = TrainingSample(image, dot[None], np.array([2]), np.array([50.0, 60.0, 70.0, 80.0]), image > 50)
-    quiet = AugmentConfig(tone_share=0.0, blur_share=0.0, erase_share=0.0)
-    moved = augment(sample, quiet, np.random.default_rng(seed))
-    np.testing.assert_allclose(_centroid(moved.image), moved.keypoints_px[0], atol=0.1)  # px
-    assert moved.mask is not None
-    np.testing.assert_allclose(_centroid(moved.mask), moved.keypoints_px[0], atol=0.5)  # px
+    new = moved(sample, np.random.default_rng(seed))
+    np.testing.assert_allclose(_centroid(new.image), new.keypoints_px[0], atol=0.1)  # px
+    assert new.mask is not None
+    np.testing.assert_allclose(_centroid(new.mask), new.keypoints_px[0], atol=0.5)  # px
 
 
 def test_the_largest_patch_wins_over_the_brightest_speck():
@@ -130,8 +129,8 @@ def test_the_largest_patch_wins_over_the_brightest_speck():
     assert brightest_patches(np.full((4, 4), 0.2)) == []
 
 
-@pytest.mark.parametrize(("surest", "looks"), [(0, 1), (1, 2), (2, 3), (4, 5), (9, 5)])
-def test_other_crops_are_looked_at_until_one_is_sure(surest, looks):
+@pytest.mark.parametrize(("surest", "crops"), [(0, 1), (1, 2), (2, 3), (4, 5), (9, 5)])
+def test_other_crops_are_read_until_one_is_sure(surest, crops):
     seen = []
 
     def find(frames):
@@ -140,16 +139,16 @@ def test_other_crops_are_looked_at_until_one_is_sure(surest, looks):
         probability[0, 40:44, 40:44] = 0.9
         return [probability]
 
-    def read(crops):
+    def read(images):
         score = 0.97 if len(seen) == surest else 0.3 + 0.01 * len(seen)
-        seen.append(crops.shape)
+        seen.append(images.shape)
         covariances = np.tile(np.eye(2, dtype=np.float32), (1, 4, 1, 1))
         points = np.full((1, 4, 2), 32.0, np.float32)
         return [points, np.full((1, 4), score, np.float32), covariances, np.ones(1, np.float32)]
 
-    detector = HeatmapDetector(find, read, 4, crop_side=64)
+    detector = HeatmapDetector(find, read, 4, HeatmapSettings(crop_side=64))
     keypoints = detector(np.random.default_rng(1).integers(0, 255, (256, 256)).astype(np.uint8))
-    assert len(seen) == looks
+    assert len(seen) == crops
     assert keypoints.median_score == pytest.approx(0.97 if surest < 5 else 0.34)
 
 
@@ -158,8 +157,8 @@ def test_a_keypoint_that_was_not_found_has_no_place_and_no_score():
     scores = np.array([[0.9, 0.01, 0.0]], np.float32)
     spread = np.tile(np.eye(2, dtype=np.float32), (1, 3, 1, 1))
     read = lambda crops: [points, scores, spread, np.ones(1)]  # noqa: E731
-    detector = HeatmapDetector(find=read, read=read, n_keypoints=3, crop_side=64, min_score=0.05)
+    detector = HeatmapDetector(read, read, 3, HeatmapSettings(crop_side=64))
     image = np.random.default_rng(1).integers(0, 255, (80, 80), dtype=np.uint8)
-    found = detector(image, np.array([10.0, 10.0, 60.0, 60.0]))
+    found = detector.detect_in(image, np.array([10.0, 10.0, 60.0, 60.0]))
     np.testing.assert_array_equal(np.isfinite(found.pixels).all(axis=1), [True, False, False])
     np.testing.assert_allclose(found.scores, [0.9, 0.0, 0.0], atol=1e-6)

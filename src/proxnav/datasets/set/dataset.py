@@ -92,6 +92,11 @@ class Dataset:
                 except ValueError as error:
                     raise InputError(f"{path}, line {number}: {error}") from None
 
+    @property
+    def image_paths(self) -> list[Path]:
+        """The image files in the order of the labels; InputError for a name that leads out of the set."""
+        return [inside(self.folder / "images", label.filename) for label in self.labels]
+
     def image(self, index: int) -> Image:
         """Image `index` as stored."""
         return read_image(inside(self.folder / "images", self.labels[index].filename))

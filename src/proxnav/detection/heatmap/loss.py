@@ -5,30 +5,21 @@ modes stay modes. Covariance: Gaussian negative log-likelihood of the decoded po
 fixed, so that doubt never pulls on the position. Mask: binary cross-entropy, an auxiliary task that speeds convergence.
 """
 
-from dataclasses import dataclass
-
 import torch
 from torch import Tensor
 
 from proxnav.detection.heatmap.decode import decode, sample_spread
 from proxnav.detection.heatmap.network import Maps
 
-
-@dataclass(frozen=True)
-class LossConfig:
-    """Weights of the terms."""
-
-    sigma_cells: float = 1.0
-    """Width of the target Gaussian."""
-    hidden_weight: float = 0.5
-    """Weight of keypoints that the target itself hides; visible ones weigh 1."""
-    mask_weight: float = 1.0
-    spread_weight: float = 0.1
+SIGMA_CELLS = 1.0
+"""Width of the target Gaussian."""
+HIDDEN_WEIGHT = 0.5
+"""Weight of keypoints that the target itself hides; visible ones weigh 1."""
+SPREAD_WEIGHT = 0.1
+"""Weight of the covariance's term; position and mask weigh 1."""
 
 
-def keypoint_loss(
-    maps: Maps, keypoints_cells: Tensor, visibility: Tensor, mask: Tensor, config: LossConfig
-) -> dict[str, Tensor]:
+def keypoint_loss(maps: Maps, keypoints_cells: Tensor, visibility: Tensor, mask: Tensor) -> dict[str, Tensor]:
     """Weighted terms, whose sum is the loss.
 
     `keypoints_cells` (b, n, 2) in cells, corner origin; `visibility` (b, n) as COCO; `mask` (b, h, w) in [0, 1]. Points
@@ -37,13 +28,13 @@ def keypoint_loss(
     height, width = maps.logits.shape[-2:]
     limit = torch.tensor([width, height], dtype=keypoints_cells.dtype, device=keypoints_cells.device)
     inside = ((keypoints_cells >= 0) & (keypoints_cells < limit)).all(dim=-1)
-    weight = inside * torch.where(visibility == 2, 1.0, config.hidden_weight)
+    weight = inside * torch.where(visibility == 2, 1.0, HIDDEN_WEIGHT)
     log_p = maps.logits.float().flatten(2).log_softmax(dim=-1)
-    wanted = _gaussian(keypoints_cells, height, width, config.sigma_cells).flatten(2)
+    wanted = _gaussian(keypoints_cells, height, width, SIGMA_CELLS).flatten(2)
     position = _mean(-(wanted * log_p).sum(dim=-1), weight)
     spread = _mean(_spread_nll(maps, keypoints_cells), weight)
     shown = torch.nn.functional.binary_cross_entropy_with_logits(maps.mask.float()[:, 0], mask)
-    return {"position": position, "spread": config.spread_weight * spread, "mask": config.mask_weight * shown}
+    return {"position": position, "spread": SPREAD_WEIGHT * spread, "mask": shown}
 
 
 def _gaussian(points: Tensor, height: int, width: int, sigma: float) -> Tensor:

@@ -4,23 +4,12 @@ Scores are classified over positions, not regressed to a mean: a nearly symmetri
 of two modes is a point on neither.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from torch import Tensor, nn
 
-from proxnav.detection.heatmap.pyramid import Pyramid, Trunk
-
-
-@dataclass(frozen=True)
-class HeatmapNetConfig:
-    """Size and shape of the crop network."""
-
-    n_keypoints: int = 24
-    trunk: Trunk = "resnet18"
-    """ResNet without its classifier."""
-    width: int = 96
-    """Channels of the top-down path."""
+from proxnav.detection.heatmap.config import HeatmapNetConfig
+from proxnav.detection.heatmap.pyramid import Pyramid
 
 
 class Maps(NamedTuple):
@@ -37,11 +26,11 @@ class Maps(NamedTuple):
 class HeatmapNet(nn.Module):
     """Grey crops (b, 1, H, W) in [0, 1] to `Maps`; H and W are multiples of 32."""
 
-    def __init__(self, config: HeatmapNetConfig) -> None:
+    def __init__(self, config: HeatmapNetConfig, n_keypoints: int) -> None:
         super().__init__()
         self.pyramid = Pyramid(config.trunk, config.width)
-        self.logits = nn.Conv2d(config.width, config.n_keypoints, 1)
-        self.spread = nn.Conv2d(config.width, 3 * config.n_keypoints, 1)
+        self.logits = nn.Conv2d(config.width, n_keypoints, 1)
+        self.spread = nn.Conv2d(config.width, 3 * n_keypoints, 1)
         self.mask = nn.Conv2d(config.width, 1, 1)
         for parameter in self.spread.parameters():
             nn.init.zeros_(parameter)  # starts at one cell of standard deviation, uncorrelated

@@ -6,7 +6,8 @@ T.-Y. Lin et al., "Feature Pyramid Networks for Object Detection", CVPR 2017.
 import torch
 from torch import Tensor, nn
 
-from proxnav.detection.heatmap.trunks import Trunk, build_trunk
+from proxnav.detection.heatmap.config import Trunk
+from proxnav.detection.heatmap.trunks import build_trunk
 
 STRIDE = 4
 """Input pixels per cell of the features."""

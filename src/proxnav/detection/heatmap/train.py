@@ -9,17 +9,20 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from proxnav.detection.heatmap.augment import AugmentConfig, augment
+from proxnav.detection.heatmap.augment import augment
+from proxnav.detection.heatmap.config import HeatmapNetConfig
 from proxnav.detection.heatmap.decode import decode
-from proxnav.detection.heatmap.finder import FinderConfig, FinderNet
-from proxnav.detection.heatmap.loss import LossConfig, keypoint_loss
-from proxnav.detection.heatmap.network import HeatmapNet, HeatmapNetConfig
+from proxnav.detection.heatmap.finder import TRUNK, WIDTH, FinderNet
+from proxnav.detection.heatmap.loss import keypoint_loss
+from proxnav.detection.heatmap.network import HeatmapNet
 from proxnav.detection.heatmap.pyramid import STRIDE, as_channels_last
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
-from proxnav.detection.training.config import Learner, LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.config import SEED, Learner, LoopConfig, TrainingResult, Validate
 from proxnav.detection.training.files import load_weights
 from proxnav.detection.training.loop import train
 from proxnav.detection.training.rates import warm_up_then_cosine
+
+_WEIGHT_DECAY = 0.02
 
 
 @dataclass(frozen=True)
@@ -27,11 +30,8 @@ class TrainHeatmapConfig:
     """How the crop network is trained."""
 
     net: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
-    loss: LossConfig = field(default_factory=LossConfig)
-    augment: AugmentConfig = field(default_factory=AugmentConfig)
     loop: LoopConfig = field(default_factory=lambda: LoopConfig(steps=8000, batch_size=32, log_every=50))
     rate: float = 1e-3
-    weight_decay: float = 0.02
     start: Path | None = None
     """Weights (safetensors) to start from, such as those of a smaller side."""
 
@@ -40,27 +40,24 @@ class TrainHeatmapConfig:
 class TrainFinderConfig:
     """How the finder is trained."""
 
-    net: FinderConfig = field(default_factory=FinderConfig)
-    augment: AugmentConfig = field(default_factory=AugmentConfig)
     loop: LoopConfig = field(default_factory=lambda: LoopConfig(steps=1500, batch_size=16, log_every=50))
     rate: float = 1e-3
-    weight_decay: float = 0.02
     start: Path | None = None
     """Weights (safetensors) to start from."""
 
 
 def train_heatmap(
-    config: TrainHeatmapConfig, source: SampleSource, out: Path, validate: Validate | None = None
+    config: TrainHeatmapConfig, n_keypoints: int, source: SampleSource, out: Path, validate: Validate | None = None
 ) -> TrainingResult:
     """Trains the crop network into `out`, resuming where it stopped; the weights are the running average."""
 
     def loss(model: nn.Module, batch: dict[str, Tensor]) -> dict[str, Tensor]:
         maps = model(batch["image"].contiguous(memory_format=torch.channels_last))
-        return keypoint_loss(maps, batch["keypoints"], batch["visibility"], batch["mask"], config.loss)
+        return keypoint_loss(maps, batch["keypoints"], batch["visibility"], batch["mask"])
 
-    torch.manual_seed(config.loop.seed)
-    notes = {"detector": "heatmap"} | asdict(config.net)
-    learner = _learner(HeatmapNet(config.net), config, loss, notes, config.net.n_keypoints)
+    torch.manual_seed(SEED)
+    notes = {"detector": "heatmap", "n_keypoints": n_keypoints} | asdict(config.net)
+    learner = _learner(HeatmapNet(config.net, n_keypoints), config, loss, notes, n_keypoints)
     return train(learner, source, config.loop, out, validate)
 
 
@@ -75,8 +72,9 @@ def train_finder(
         overlap = soft_overlap(logits.sigmoid(), batch["mask"])
         return {"cell": each.mean(), "overlap": 1.0 - overlap.mean()}
 
-    torch.manual_seed(config.loop.seed)
-    learner = _learner(FinderNet(config.net), config, loss, {"detector": "finder"} | asdict(config.net), None)
+    torch.manual_seed(SEED)
+    notes = {"detector": "finder", "trunk": TRUNK, "width": WIDTH}
+    learner = _learner(FinderNet(), config, loss, notes, None)
     return train(learner, source, config.loop, out, validate)
 
 
@@ -100,10 +98,10 @@ def _learner(
         for sample in samples:
             if n_keypoints is not None:
                 check_keypoint_count(sample, n_keypoints)
-        return batch_of([augment(sample, config.augment, rng) for sample in samples])
+        return batch_of([augment(sample, rng) for sample in samples])
 
     decayed, free = _by_dimension(net)
-    groups = [{"params": decayed, "weight_decay": config.weight_decay}, {"params": free, "weight_decay": 0.0}]
+    groups = [{"params": decayed, "weight_decay": _WEIGHT_DECAY}, {"params": free, "weight_decay": 0.0}]
     return Learner(
         model=as_channels_last(net),
         optimizer=torch.optim.AdamW(groups, lr=config.rate, betas=(0.9, 0.99), fused=True),

@@ -5,13 +5,12 @@ ICCV 2019. Which one is worth its time is measured in docs/benchmarks/detector.m
 """
 
 from functools import partial
-from typing import Literal
 
 import torchvision
 from torch import nn
 from torchvision.models.resnet import BasicBlock, ResNet
 
-Trunk = Literal["resnet10", "resnet18", "resnet34", "resnet50", "mobilenet"]
+from proxnav.detection.heatmap.config import Trunk
 
 
 def build_trunk(trunk: Trunk) -> tuple[nn.Sequential, nn.ModuleList, list[int]]:

@@ -15,7 +15,7 @@ from proxnav.images.tones import grey_8_bit
 from proxnav.records import Keypoints
 
 ZOOM_MARGIN = 1.4
-"""Side of the second look over the longer side of the box found by the first."""
+"""Side of the second pass's crop over the longer side of the box found by the first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,8 +39,8 @@ class DetectConfig:
 
     min_score: float = 0.5
     """Least score of the box; below it there is no target."""
-    looks: int = 1
-    """2 looks again at the square round the first box, from the full-resolution image."""
+    passes: int = 1
+    """2 crops the square round the first box from the full-resolution image and detects once more in it."""
     calibration: Calibration = field(default_factory=Calibration)
 
 
@@ -59,7 +59,7 @@ def detect(run: RunNetwork, image: np.ndarray, side: int, n_keypoints: int, conf
     except InputError:
         return Detection(Keypoints.none("bad_image", n_keypoints))
     view, found = whole(picture), None
-    for _ in range(config.looks):
+    for _ in range(config.passes):
         if found is not None:
             view = Crop.around(view.to_image(found.box_xyxy.reshape(2, 2), side).ravel(), ZOOM_MARGIN)
         found = run(cut(picture, view, side))

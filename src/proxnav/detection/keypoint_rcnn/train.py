@@ -10,10 +10,11 @@ from torch import Tensor, nn
 
 from proxnav.detection.keypoint_rcnn.config import STUDY, STUDY_SMALL, NetworkConfig
 from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
-from proxnav.detection.keypoint_rcnn.views import padded, quarter_turned, seen_through, whole, zoomed
+from proxnav.detection.keypoint_rcnn.views import padded, seen_through, whole, zoomed
 from proxnav.detection.keypoint_rcnn.weights import DETECTOR, start_from
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
 from proxnav.detection.training import Learner, LoopConfig, Rate, TrainingResult, Validate, train
+from proxnav.detection.training.config import SEED
 from proxnav.detection.training.rates import per_epoch, warm_up_then_cosine
 from proxnav.errors import InputError
 
@@ -45,8 +46,6 @@ class TrainKeypointRcnnConfig:
     """For per_epoch: training images over batch size, times accumulation and processes."""
     stages: tuple[Stage, ...] = ()
     """A curriculum in order; none trains on whole images at the network's side."""
-    quarter_turns: bool = True
-    """Turn samples by random quarters about the camera's axis: a finite data set lasts longer."""
     start: Path | None = None
     """Weights (safetensors or a torch state dict) to start from: of this network, of its backbone, or ImageNet's."""
 
@@ -58,9 +57,7 @@ def study(n_images: int = 4500, batch_size: int = 4, epochs: int = 200) -> Train
     """
     per = n_images // batch_size
     loop = LoopConfig(steps=epochs * per, batch_size=batch_size, save_every=per, validate_every=per)
-    return TrainKeypointRcnnConfig(
-        STUDY, loop, optimizer="sgd", schedule="per_epoch", steps_per_epoch=per, quarter_turns=False
-    )
+    return TrainKeypointRcnnConfig(STUDY, loop, optimizer="sgd", schedule="per_epoch", steps_per_epoch=per)
 
 
 def study_small(steps: int = 3000, side: int = 320) -> TrainKeypointRcnnConfig:
@@ -75,7 +72,7 @@ def train_keypoint_rcnn(
 ) -> TrainingResult:
     """Trains into the folder `out`, resuming where it stopped; `validate` scores the averaged network."""
     _check(config)
-    torch.manual_seed(config.loop.seed)
+    torch.manual_seed(SEED)
     network = KeypointRcnn(config.network)
     if config.start is not None and not (out / "checkpoint.pt").exists():
         start_from(network, config.start)
@@ -120,8 +117,7 @@ def _collate(config: TrainKeypointRcnnConfig) -> Any:
             check_keypoint_count(sample, config.network.n_keypoints)
             near = sample.has_target and rng.random() < stage.zoom_share
             view = zoomed(sample.box_xyxy, rng) if near else whole(sample.image)
-            square = seen_through(sample, view, stage.side)
-            seen.append(quarter_turned(square, int(rng.integers(4))) if config.quarter_turns else square)
+            seen.append(seen_through(sample, view, stage.side))
         return batch_of(seen, config.network)
 
     return collate

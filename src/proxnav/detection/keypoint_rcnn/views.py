@@ -31,18 +31,6 @@ def seen_through(sample: TrainingSample, view: Crop, side: int) -> TrainingSampl
     return TrainingSample(image, points, np.where(inside, sample.visibility, 0), box, mask)
 
 
-def quarter_turned(sample: TrainingSample, turns: int) -> TrainingSample:
-    """A square sample after quarter turns of the camera about its axis: corner-origin (x, y) -> (y, side - x)."""
-    side = sample.image.shape[0]
-    points, box, image, mask = sample.keypoints_px, sample.box_xyxy, sample.image, sample.mask
-    for _ in range(turns):
-        points = np.stack([points[:, 1], side - points[:, 0]], axis=1)
-        box = np.array([box[1], side - box[2], box[3], side - box[0]])
-        image = np.ascontiguousarray(np.rot90(image))
-        mask = None if mask is None else np.ascontiguousarray(np.rot90(mask))
-    return TrainingSample(image, points, sample.visibility, box, mask)
-
-
 def padded(box_xyxy: Float[np.ndarray, "4"], share: float, side: int) -> Float[np.ndarray, "4"]:
     """The box grown by `share` of its width and height on every side, within the view."""
     size = np.tile(box_xyxy[2:] - box_xyxy[:2], 2)

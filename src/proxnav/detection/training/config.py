@@ -15,6 +15,9 @@ from proxnav.detection.training.rates import Rate
 Validate = Callable[[nn.Module], float]
 """Score of the averaged model in eval mode, lower is better: the mean E_C of a validation set, for example."""
 
+SEED = 0
+"""Seed of the weights' start, of augmentation and of dropout; the samples have seeds of their own."""
+
 
 @dataclass(frozen=True)
 class LoopConfig:
@@ -26,10 +29,8 @@ class LoopConfig:
     """Images in one pass through the network, in each process."""
     accumulate: int = 1
     """Passes whose gradients are averaged into one step."""
-    clip_norm: float = 10.0
-    """Largest norm of the gradient; longer ones are scaled down."""
     average_decay: float = 0.998
-    """Of the running average of weights, per step."""
+    """Decay of the running average of weights, per step."""
     precision: Precision = "auto"
     """auto: bf16-mixed where the hardware multiplies it."""
     accelerator: Literal["auto", "cpu", "cuda", "mps"] = "auto"
@@ -37,7 +38,6 @@ class LoopConfig:
     """Processes, one for each accelerator; for more than one start the command under torchrun."""
     deterministic: bool = False
     """Only algorithms that give the same bits every time."""
-    seed: int = 0
     log_every: int = 20
     """Steps between rows of the learning curve."""
     save_every: int = 500
@@ -48,8 +48,6 @@ class LoopConfig:
     """Validations without a better score before the run stops early; 0 never stops."""
     minutes: float = 0.0
     """Stop, resumable, after so long; 0 is no limit."""
-    max_skipped_in_a_row: int = 20
-    """Steps with a loss that is not finite before the run gives up."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from proxnav.detection.samples import SampleSource
 from proxnav.detection.training.average import averaged_copy, update_average
-from proxnav.detection.training.config import Learner, LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.config import SEED, Learner, LoopConfig, TrainingResult, Validate
 from proxnav.detection.training.curve import append_row, cut_after
 from proxnav.detection.training.feed import ahead, batches
 from proxnav.detection.training.files import load_checkpoint, save_checkpoint, save_weights
@@ -32,6 +32,10 @@ _log = logging.getLogger(__name__)
 
 CHECKPOINT, BEST, WEIGHTS, CURVE = "checkpoint.pt", "best.safetensors", "weights.safetensors", "curve.csv"
 VERSION = 1
+CLIP_NORM = 10.0
+"""Largest norm of the gradient; longer ones are scaled down."""
+MOST_SKIPPED = 20
+"""Steps in a row with a loss that is not finite before the run gives up."""
 
 
 @dataclass
@@ -77,7 +81,7 @@ def _train(
 ) -> TrainingResult:
     run = _start(learner, config, out, validate)
     feed = batches(
-        source, learner.collate, config.batch_size, config.accumulate, config.seed,
+        source, learner.collate, config.batch_size, config.accumulate, SEED,
         step=run.at.step, rank=run.fabric.global_rank, world=run.fabric.world_size,
     )  # fmt: skip
     with closing(ahead(feed)) as ready, stop_requested() as stop, progress_bar(config.steps, run.at.step) as show:
@@ -98,7 +102,7 @@ def _start(learner: Learner, config: LoopConfig, out: Path, validate: Validate |
     """Everything on its device and at the step of the checkpoint, if there is one."""
     torch.use_deterministic_algorithms(config.deterministic)
     fabric = launched(config)
-    torch.manual_seed(config.seed + fabric.global_rank)
+    torch.manual_seed(SEED + fabric.global_rank)
     model, optimizer = fabric.setup(learner.model.train(), learner.optimizer)
     out.mkdir(parents=True, exist_ok=True)
     deadline = time.monotonic() + 60.0 * config.minutes if config.minutes else math.inf
@@ -124,11 +128,11 @@ def _ended(run: _Run) -> Literal["finished", "early_stop", "time"] | None:
 def _advance(run: _Run, parts: list[Any], show: Show) -> None:
     """One step and what is due after it."""
     at, config = run.at, run.config
-    reseed(run.fabric, config.seed, at.step)
+    reseed(run.fabric, SEED, at.step)
     rate = run.learner.rate(at.step)
     for group in run.learner.optimizer.param_groups:
         group["lr"] = rate * group.get("scale", 1.0)
-    terms = take_step(run.fabric, run.model, run.optimizer, run.learner.loss, parts, config.clip_norm)
+    terms = take_step(run.fabric, run.model, run.optimizer, run.learner.loss, parts, CLIP_NORM)
     at.step += 1
     _account(run, terms)
     if at.step % config.log_every == 0:
@@ -149,7 +153,7 @@ def _account(run: _Run, terms: dict[str, Tensor] | None) -> None:
     at.skipped += 1
     at.skipped_in_a_row += 1
     _log.warning("step %d left out, its loss is not finite; %d so far", at.step, at.skipped)
-    if at.skipped_in_a_row >= run.config.max_skipped_in_a_row:
+    if at.skipped_in_a_row >= MOST_SKIPPED:
         raise InputError(
             f"the loss was not finite {at.skipped_in_a_row} steps in a row up to step {at.step}: "
             f"lower the learning rate or check the labels; {run.out / CHECKPOINT} still holds the last good state"
@@ -182,7 +186,7 @@ def _write_row(run: _Run, row: Mapping[str, float | int]) -> None:
 
 def _identity(run: _Run) -> dict[str, Any]:
     """What must not change between the parts of one run."""
-    kept = ("batch_size", "accumulate", "average_decay", "seed")
+    kept = ("batch_size", "accumulate", "average_decay")
     return {"world": run.fabric.world_size} | {key: getattr(run.config, key) for key in kept} | run.learner.notes
 
 

@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxnav.commands.benchmark_conditions import (
+from proxnav.benchmarks.condition_table import row, table
+from proxnav.benchmarks.conditions import (
     blurred,
     conditions,
     is_before_earth,
     noisier,
-    row,
     storm,
     sun_in_lens,
-    table,
     without_target,
 )
 from proxnav.geometry.perturbation import moved
@@ -81,11 +80,11 @@ def test_a_row_counts_frames_without_a_pose_and_measures_the_others():
     T = SCENE.T_cam_target
     off = moved(T, np.array([0.0, 0.0, 0.01 * np.linalg.norm(T.t_m), 0.0, np.radians(1.0), 0.0]))
     found = PoseResult("ok", off, np.eye(6), np.ones(24, bool))
-    numbers = row([SCENE, SCENE], [found, PoseResult.failure("no_target", 24)])
+    numbers = row([(SCENE, found), (SCENE, PoseResult.failure("no_target", 24))])
     assert (numbers["frames"], numbers["poses"]) == (2, 1)
     assert numbers["mean_e_c"] == pytest.approx(0.01 + np.radians(1.0), rel=1e-6)
     assert numbers["median_e_r_deg"] == pytest.approx(1.0)
-    rows = {"nominal": numbers, "dark": row([SCENE], [PoseResult.failure("no_target", 24)])}
+    rows = {"nominal": numbers, "dark": row([(SCENE, PoseResult.failure("no_target", 24))])}
     text = table({"rows": rows, "empty_frames": 3, "empty_frames_with_a_pose": 0})
     assert "1/2" in text
     assert "0 of 3 frames" in text

@@ -4,16 +4,16 @@ from itertools import count
 
 import pytest
 
+from proxnav.benchmarks.scale import rate, table, text, written
 from proxnav.cli.main import main
-from proxnav.commands.benchmark_scale import ScaleBenchmarkConfig, rate, table, text, written
 from proxnav.errors import InputError
+from proxnav.frames import FrameConfig
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 
 
 def test_efficiency_and_prediction_follow_from_the_rates() -> None:
-    config = ScaleBenchmarkConfig(nodes=(1, 100), cores=10, on=("pool", "ray"))
-    found = table({"pool": {1: 4.0, 2: 8.0}, "ray": {1: 4.0, 2: 7.2}}, 100.0, config)
+    found = table({"pool": {1: 4.0, 2: 8.0}, "ray": {1: 4.0, 2: 7.2}}, 100.0, nodes=(1, 100), cores=10)
     assert [row["efficiency"] for row in found["rates"]] == pytest.approx([1.0, 1.0, 1.0, 0.9])
     one, hundred = found["a_million_frames"]
     assert one["hours"] == pytest.approx(1e6 / (10 * 4.0 * 0.9) / 3600.0)
@@ -32,9 +32,8 @@ def test_the_clock_runs_while_every_worker_is_busy(monkeypatch) -> None:
 
 
 def test_frames_are_drawn_and_written_on_the_clock(tmp_path) -> None:
-    config = ScaleBenchmarkConfig(frames=10, size=32)
     scenes = draw_scenes(load_mission("observation-10-100m"), 6, 0, 32)
-    names = list(written(scenes, tmp_path, 2, "pool", config))
+    names = list(written(scenes, tmp_path, 2, "pool", FrameConfig("raycast", threads=1)))
     assert len(names) == 6
     assert len(list((tmp_path / "images").iterdir())) == 6
 

@@ -1,0 +1,35 @@
+"""Table 1: one model's pose errors on the fixed set of a seed, rendered once and kept."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from proxnav.cluster.jobs import POOL
+from proxnav.cluster.progress import Progress, silent
+from proxnav.detection.sessions import Backend
+from proxnav.estimation import estimate_images
+from proxnav.evaluation.judgement import Judgement, judge
+from proxnav.frames import FrameConfig
+from proxnav.models.loading import load_model
+from proxnav.records import SceneSpec
+from proxnav.rendered_set import render
+from proxnav.viewing.run_writer import write_run
+
+
+def measure_table1(
+    out: Path, name: str, scenes: Sequence[SceneSpec], frames: FrameConfig, model: str, options: Any,
+    backend: Backend = "auto", workers: int = 1, on: str = POOL, progress: Progress = silent,
+) -> Judgement:  # fmt: skip
+    """Renders the scenes into `out/name` unless they are there, estimates every image, writes the run into `out`.
+
+    `options` is the dataclass that the run was asked with, which config.json keeps.
+    """
+    points_m = load_model(model, backend).card.keypoints_m
+    with progress("render", len(scenes)) as done:
+        dataset = render(scenes, frames, out / name, workers, done, on)
+    images = dataset.image_paths
+    with progress("estimate", len(images)) as done:
+        records, keypoints = estimate_images(images, dataset.camera, model, backend, 0, workers, on, done)
+    judgement = judge(records, dataset)
+    write_run(out, judgement, dataset, points_m, keypoints, options)
+    return judgement

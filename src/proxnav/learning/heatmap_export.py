@@ -1,0 +1,55 @@
+"""Trained networks as a model folder that runs without torch, its covariances calibrated."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from proxnav.cluster.progress import Progress, silent
+from proxnav.detection.heatmap.config import HeatmapNetConfig, HeatmapSettings
+from proxnav.detection.heatmap.export import FindTarget, ReadKeypoints, export
+from proxnav.detection.heatmap.finder import FinderNet
+from proxnav.detection.heatmap.network import HeatmapNet
+from proxnav.detection.training.files import load_weights
+from proxnav.estimator import PoseEstimator
+from proxnav.learning.pose_calibration import (
+    CalibrationFrames,
+    calibrated_alignment,
+    least_median_score,
+    spread_scale,
+)
+from proxnav.models.card import ModelCard, write_card
+from proxnav.pose.align import AlignConfig
+from proxnav.targets.loading import GENERATED, load_target, save_target
+
+
+def export_heatmap_model(
+    crop: Path, finder: Path, out: Path, target_name: str, net: HeatmapNetConfig, settings: HeatmapSettings,
+    calibration: int, least: float | None = None, progress: Progress = silent,
+) -> ModelCard:  # fmt: skip
+    """Writes crop.onnx, finder.onnx, their weights and model.json into `out`.
+
+    Covariances are scaled on `calibration` fresh frames; the least median score is measured where `least` is None.
+    """
+    target = load_target(target_name)
+    crop_net = HeatmapNet(net, len(target.keypoint_names))
+    _export_networks(crop_net, crop, finder, out, settings)
+    card = ModelCard(target.name, target.keypoint_names, target.keypoints_m, settings, network=net)
+    write_card(out, card)
+    estimator, frames = PoseEstimator.load(str(out)), CalibrationFrames(target_name, calibration, progress)
+    least = least_median_score(estimator, frames) if least is None else least
+    scale = spread_scale(replace(estimator, least_median_score=least), frames)
+    if target.name not in GENERATED:
+        save_target(target, out / "target")
+    settings = replace(settings, spread_scale=round(scale, 4))
+    card = replace(card, settings=settings, least_median_score=round(least, 4), alignment=AlignConfig())
+    write_card(out, card)
+    card = replace(card, alignment=calibrated_alignment(PoseEstimator.load(str(out)), frames))
+    write_card(out, card)
+    return card
+
+
+def _export_networks(net: HeatmapNet, crop: Path, finder: Path, out: Path, settings: HeatmapSettings) -> None:
+    finder_net = FinderNet()
+    load_weights(net, crop)
+    load_weights(finder_net, finder)
+    export(ReadKeypoints(net), ReadKeypoints.OUTPUTS, settings.crop_side, out, "crop")
+    export(FindTarget(finder_net), ("probability",), settings.finder_side, out, "finder")

@@ -1,0 +1,1 @@
+"""Model folders: their card, and loading them without torch."""
