@@ -1,7 +1,7 @@
 """Trunks of the pyramid: a stem and four stages, at 1/4, 1/8, 1/16 and 1/32 of a grey image.
 
 K. He et al., "Deep Residual Learning for Image Recognition", CVPR 2016; A. Howard et al., "Searching for MobileNetV3",
-ICCV 2019. Which one is worth its time is measured in docs/benchmarks/detector.md.
+ICCV 2019. Which one is worth its time is measured in docs/notes/detector_history.md.
 """
 
 from functools import partial
