@@ -3,13 +3,12 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from jaxtyping import UInt8
 
 from proxnav.cluster.carried import Carried
 from proxnav.detection.sessions import Backend
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_in_image
-from proxnav.geometry.types import Box, Points
+from proxnav.geometry.types import Box, GreyImage, Image, Points
 from proxnav.images.size import check_size
 from proxnav.images.tones import grey_8_bit
 from proxnav.models.loading import Detect, DetectIn, Model, load_model
@@ -54,13 +53,11 @@ class PoseEstimator:
         """A shipped model by name, or any folder with a `model.json`."""
         return _assembled(load_model(model, backend, threads))
 
-    def __call__(self, image: np.ndarray, camera: Camera) -> PoseResult:
+    def __call__(self, image: Image, camera: Camera) -> PoseResult:
         """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size."""
         return self.keypoints_and_pose(image, camera)[1]
 
-    def keypoints_and_pose(
-        self, image: np.ndarray, camera: Camera, box: Box | None = None
-    ) -> tuple[Keypoints, PoseResult]:
+    def keypoints_and_pose(self, image: Image, camera: Camera, box: Box | None = None) -> tuple[Keypoints, PoseResult]:
         """As calling the estimator, with the keypoints that the pose rests on.
 
         `box` [px]: where somebody knows the target to be, a navigation filter for one; nothing is searched then.
@@ -75,7 +72,7 @@ class PoseEstimator:
             return keypoints, PoseResult.failure("no_consensus", len(result.inliers))
         return keypoints, replace(result, T_cam_target=found.T_cam_target, covariance=found.covariance)
 
-    def alignment_of(self, image: np.ndarray, camera: Camera) -> Alignment | None:
+    def alignment_of(self, image: Image, camera: Camera) -> Alignment | None:
         """How the pose of an image was laid onto it; None where there is no pose or it stayed that of the keypoints."""
         grey = grey_8_bit(image)
         return self._aligned(grey, camera, *self._from_keypoints(grey, camera, None))
@@ -89,9 +86,7 @@ class PoseEstimator:
         )
         return PoseResult.failure("no_consensus", len(result.inliers)) if _is_vague(result) else result
 
-    def _from_keypoints(
-        self, grey: UInt8[np.ndarray, "height width"], camera: Camera, box: Box | None
-    ) -> tuple[Keypoints, PoseResult]:
+    def _from_keypoints(self, grey: GreyImage, camera: Camera, box: Box | None) -> tuple[Keypoints, PoseResult]:
         """Keypoints and their pose from the box, or from a search; `no_target` where the keypoints are unsure."""
         if box is not None and self.detect_in is not None:
             keypoints = self.detect_in(grey, box)
@@ -102,7 +97,7 @@ class PoseEstimator:
             result = PoseResult.failure("no_target", len(self.points_target_m))
         return keypoints, result
 
-    def _searched(self, grey: UInt8[np.ndarray, "height width"], camera: Camera) -> tuple[Keypoints, PoseResult]:
+    def _searched(self, grey: GreyImage, camera: Camera) -> tuple[Keypoints, PoseResult]:
         """Keypoints of the whole frame and, where they give a pose, those of a crop round that pose."""
         keypoints = self.detect(grey)
         result = self.solve(keypoints, camera)
@@ -115,9 +110,7 @@ class PoseEstimator:
         finer_result = self.solve(finer, camera)
         return (keypoints, result) if finer_result.T_cam_target is None else (finer, finer_result)
 
-    def _aligned(
-        self, grey: UInt8[np.ndarray, "height width"], camera: Camera, keypoints: Keypoints, result: PoseResult
-    ) -> Alignment | None:
+    def _aligned(self, grey: GreyImage, camera: Camera, keypoints: Keypoints, result: PoseResult) -> Alignment | None:
         """The keypoint pose laid onto the image."""
         if self.shape is None or result.T_cam_target is None or result.covariance is None:
             return None

@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from proxnav.datasets.set.labelling import label_frame
+from proxnav.geometry.types import Image, Mask
 from proxnav.records import FrameLabel, RenderedFrame, SceneSpec
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
@@ -35,10 +34,8 @@ class FrameConfig:
 class LabelledFrame:
     """What the sensor read and what is true about it."""
 
-    image: np.ndarray
-    """(h, w) uint8 or uint16."""
-    mask: np.ndarray
-    """(h, w) bool."""
+    image: Image
+    mask: Mask
     label: FrameLabel
 
 

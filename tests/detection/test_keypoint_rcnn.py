@@ -35,7 +35,7 @@ from proxnav.detection.keypoint_rcnn.train import (
     study_small,
     train_keypoint_rcnn,
 )
-from proxnav.detection.keypoint_rcnn.views import seen_through
+from proxnav.detection.keypoint_rcnn.views import in_view
 from proxnav.detection.keypoint_rcnn.weights import load_network, packed, save_network, start_from, unpacked
 from proxnav.detection.samples import TrainingSample
 from proxnav.detection.training import LoopConfig
@@ -183,7 +183,7 @@ def centroid(image: np.ndarray) -> np.ndarray:
 def test_what_the_network_sees_agrees_with_its_labels(view: Crop) -> None:
     point = np.array([34.3, 27.8])
     sample = TrainingSample(dot(*point), point[None], np.array([2]), np.array([*(point - 3), *(point + 3)]))
-    seen = seen_through(sample, view, 64)
+    seen = in_view(sample, view, 64)
     np.testing.assert_allclose(centroid(seen.image.astype(float)), seen.keypoints_px[0], atol=0.1)  # px
     np.testing.assert_allclose((seen.box_xyxy[:2] + seen.box_xyxy[2:]) / 2, seen.keypoints_px[0], atol=1e-9)
 
@@ -193,7 +193,7 @@ def test_points_beyond_the_view_are_not_labelled() -> None:
         np.zeros((64, 80), np.uint8), np.array([[70.0, 30.0], [20.0, 20.0]]), np.array([2, 1]),
         np.array([10.0, 10.0, 75.0, 40.0]),
     )  # fmt: skip
-    seen = seen_through(sample, Crop(0, 0, 40), 80)
+    seen = in_view(sample, Crop(0, 0, 40), 80)
     assert seen.visibility.tolist() == [0, 1]
     np.testing.assert_allclose(seen.box_xyxy, [20, 20, 80, 80])
 

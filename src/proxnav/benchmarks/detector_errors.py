@@ -37,13 +37,13 @@ class Instants:
     """When a frame is taken along the spiral."""
 
     step_s: float
-    """Between frames..."""
+    """Time between frames [s]."""
     burst_every_s: float
-    """... and so often a burst"""
+    """Time between bursts [s]."""
     burst: int
-    """of so many frames, one a second."""
+    """Frames of a burst, one a second."""
     max_phase_rad: float
-    """Largest angle Sun-target-camera."""
+    """Largest angle Sun-target-camera [rad]."""
 
     def __post_init__(self) -> None:
         if not self.step_s >= 1.0 or not self.burst_every_s >= self.step_s or self.burst < 0:

@@ -11,6 +11,7 @@ from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
+from proxnav.geometry.types import Image
 from proxnav.missions import Mission
 from proxnav.missions.scenes import draw_scenes
 
@@ -45,7 +46,7 @@ def measure_latency(
 
 
 def _timed(
-    answer: Callable[[np.ndarray], Answer], images: Sequence[np.ndarray], name: str, progress: Progress
+    answer: Callable[[Image], Answer], images: Sequence[Image], name: str, progress: Progress
 ) -> tuple[list[float], list[Answer]]:
     """Milliseconds per image after one image that does not count, and the answers."""
     answer(images[0])

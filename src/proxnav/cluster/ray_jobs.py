@@ -16,7 +16,7 @@ _VERSION = version("proxnav")
 AHEAD = 2
 """Items under way per worker: enough to keep it busy, few enough that no results pile up."""
 TRIES = 3
-"""Of an item, whether its worker died or the job failed."""
+"""Tries of an item, whether its worker died or the job failed."""
 HOPELESS = 20
 """Failed items without a single success before the run gives up."""
 PATIENCE_S = 300.0

@@ -16,7 +16,7 @@ class ConditionsConfig(WorkerOptions, ResultOptions):
     model: str = "space-rider"
     """Name or folder."""
     frames: int = 40
-    """Under each condition."""
+    """Frames under each condition."""
     empty: int = 200
     """Frames without a target."""
     seed: int = 500

@@ -20,11 +20,11 @@ class DetectorBenchmarkConfig(WorkerOptions):
     model: str = "space-rider"
     """Name of a shipped model, or a folder with a model.json."""
     step_s: float = 8.0
-    """Between frames..."""
+    """Time between frames."""
     burst_every_s: float = 400.0
-    """... and so often a burst"""
+    """Time between bursts."""
     burst: int = 12
-    """of so many frames, one a second."""
+    """Frames of a burst, one a second."""
     max_phase_deg: float = 90.0
     """Largest angle Sun-target-camera."""
 

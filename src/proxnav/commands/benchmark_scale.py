@@ -28,9 +28,9 @@ class ScaleBenchmarkConfig(ResultOptions):
     size: int = 256
     """Side of the image [px]."""
     nodes: tuple[int, ...] = (1, 10, 100)
-    """Of the prediction."""
+    """Nodes of the prediction."""
     cores: int = 16
-    """Of each node in the prediction."""
+    """Cores of each node in the prediction."""
 
 
 def run(config: ScaleBenchmarkConfig) -> None:

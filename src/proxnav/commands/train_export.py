@@ -23,7 +23,7 @@ class ExportConfig:
     """Pixels of the crop network's input."""
     finder_side: int = 256
     net: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
-    """Of the crop network, as it was trained."""
+    """Dimensions of the crop network, as it was trained."""
     least_median_score: float | None = None
     """Median keypoint score below which an image shows no target; measured on frames without one when not given."""
     calibration: int = 300

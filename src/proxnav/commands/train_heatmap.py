@@ -23,7 +23,7 @@ class TrainCropOptions:
     repeats: int = 4
     """Times that a drawn image is learnt from, each time as another view."""
     seed: int = 1
-    """Of the scenes."""
+    """Seed of the scenes."""
     validation: int = 256
     """Crops that are kept aside."""
     dry_run: bool = False
@@ -46,7 +46,7 @@ class TrainFinderOptions:
     repeats: int = 4
     """Times that a drawn image is learnt from, each time as another view."""
     seed: int = 2
-    """Of the scenes."""
+    """Seed of the scenes."""
     dry_run: bool = False
     """Only say what time and disk it would take, tried on a little of it."""
     training: TrainFinderConfig = field(default_factory=TrainFinderConfig)

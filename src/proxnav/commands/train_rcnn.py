@@ -52,7 +52,7 @@ class TrainRcnnOptions:
     looks: int = 1
     """2: the model detects once more, in a crop round the first box; the study does not."""
     least_median_score: float = 0.6
-    """Of the keypoints that the model finds; below it no pose."""
+    """Median score of the keypoints that the model finds; below it no pose."""
     dry_run: bool = False
     """Only say what time and disk it would take, tried on a little of it."""
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
+from jaxtyping import Float, Int, Shaped, UInt8
 
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.types import Box, Mask
 
 _log = logging.getLogger(__name__)
 
@@ -20,16 +22,16 @@ MAX_UNREADABLE_SHARE = 0.2
 class TrainingSample:
     """One labelled image; keypoints follow the target's list, pixels have the corner origin."""
 
-    image: np.ndarray
-    """(h, w) or (h, w, 3) uint8."""
-    keypoints_px: np.ndarray
-    """(n, 2); NaN where the point has no image."""
-    visibility: np.ndarray
-    """(n,) 0 outside the image, 1 hidden, 2 visible (COCO)."""
-    box_xyxy: np.ndarray
-    """(4,) outer edges of the target [px]; NaN when the image shows none."""
-    mask: np.ndarray | None = None
-    """(h, w) bool, pixels of the target."""
+    image: UInt8[np.ndarray, "height width *rgb"]
+    """Grey, or three channels."""
+    keypoints_px: Float[np.ndarray, "n_keypoints 2"]
+    """Keypoints [px]; NaN where the point has no image."""
+    visibility: Int[np.ndarray, "n_keypoints"]
+    """0 outside the image, 1 hidden, 2 visible (COCO)."""
+    box_xyxy: Box
+    """Outer edges of the target [px]; NaN when the image shows none."""
+    mask: Mask | None = None
+    """Pixels of the target."""
 
     def __post_init__(self) -> None:
         _check_image(self.image)
@@ -104,7 +106,7 @@ def check_keypoint_count(sample: TrainingSample, n_keypoints: int) -> None:
         )
 
 
-def _check_image(image: np.ndarray) -> None:
+def _check_image(image: Shaped[np.ndarray, "..."]) -> None:
     grey_or_colour = image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)
     if image.dtype != np.uint8 or not grey_or_colour or 0 in image.shape:
         raise InputError(f"a training image must be uint8 (h, w) or (h, w, 3), found {image.dtype} {image.shape}")

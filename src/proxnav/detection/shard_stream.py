@@ -6,6 +6,7 @@ from itertools import count
 from typing import TypeVar
 
 import numpy as np
+from jaxtyping import Int
 
 from proxnav.datasets.shards import ShardIndex, StoredFrame
 from proxnav.detection.samples import SampleSource, TrainingSample
@@ -42,7 +43,7 @@ def _stream(
         yield decode(frames[int(order[within])])
 
 
-def _locate(counts: Sequence[int], order: np.ndarray, place: int) -> tuple[int, int]:
+def _locate(counts: Sequence[int], order: Int[np.ndarray, "n_shards"], place: int) -> tuple[int, int]:
     """(shard, frame in it) at `place` of a pass that takes the shards in `order`."""
     ends = np.cumsum([counts[k] for k in order])
     turn = int(np.searchsorted(ends, place, side="right"))

@@ -18,7 +18,7 @@ POWERS = (0.0, 0.5, 1.0, 1.5, 2.0)
 KEPT = 0.98
 """Quantile of squared errors; one beyond it is a confusion, which no scale should cover, and counts as the quantile."""
 _USUAL_PART = 0.45
-"""Of the median share of the outline on edges: an image that shows less of it contradicts the pose."""
+"""Factor on the median share of the outline on edges: an image that shows less of it contradicts the pose."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,12 +26,15 @@ class Samples:
     """What alignments said and how wrong they were, one row each."""
 
     errors: Float[np.ndarray, "k 6"]
+    """From the truth to the aligned pose: translation [m], rotation [rad], camera axes."""
     outlines: Float[np.ndarray, "k 6 6"]
     """Covariances of the outline alone."""
     spreads: Float[np.ndarray, "k 6 6"]
-    """Of the poses that explain the image nearly as well: taken as they are."""
+    """Covariances of the poses that explain the image nearly as well: taken as they are."""
     doubts: Float[np.ndarray, "k"]
+    """1 - median keypoint score."""
     edge_shares: Float[np.ndarray, "k"]
+    """Shares of the outline on edges."""
 
     @staticmethod
     def of(found: Sequence[tuple[Alignment, Pose]], config: AlignConfig) -> "Samples":

@@ -1,4 +1,4 @@
-"""Training crops drawn on line: each is a fresh scene, ray-cast only where the network looks, read by a sensor.
+"""Training crops drawn on line: each is a fresh scene, ray-cast only inside the crop, read by a sensor.
 
 A crop smaller than the network's input is drawn at the sensor's resolution; a larger one by a sensor whose pixels are
 binned, because the network sees the mean of them anyway.
@@ -9,10 +9,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from jaxtyping import Bool
 
 from proxnav.detection.samples import TrainingSample
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_of_mask, box_of_points, cut_at_edges
+from proxnav.geometry.types import Box
 from proxnav.images.crop import Crop, resample
 from proxnav.images.tones import as_8_bit
 from proxnav.missions import Mission, load_mission
@@ -111,12 +113,12 @@ def _scene(index: int, config: CropConfig) -> SceneSpec:
     """Scene `index`, read by a camera of its own, in the textures of its group."""
     mission, draw = config.mission, partial(draw_sensor, base=config.mission.sensor)
     scene = random_scene(index, config.seed, mission.scenes, mission.target, mission.camera, draw)
-    looks = np.random.default_rng([config.seed, index // _ALIKE, 3])
-    texture = TextureSpec(looks.uniform(*mission.looks.textures), int(looks.integers(2**31)))
+    rng = np.random.default_rng([config.seed, index // _ALIKE, 3])
+    texture = TextureSpec(rng.uniform(*mission.looks.textures), int(rng.integers(2**31)))
     return replace(scene, texture=texture)
 
 
-def _jittered(box: np.ndarray, config: CropConfig, rng: np.random.Generator) -> Crop:
+def _jittered(box: Box, config: CropConfig, rng: np.random.Generator) -> Crop:
     longer = max(box[2] - box[0], box[3] - box[1])
     shift = _SHIFT * longer * rng.uniform(-1.0, 1.0, size=2)
     return Crop.around(box + np.tile(shift, 2), margin=rng.uniform(*_MARGINS))
@@ -133,11 +135,11 @@ def _draw(scene: SceneSpec, crop: Crop, side: int, target: Target, renderer: Ray
     inside = _inside_image(crop, scene.camera, pixels)
     mask = frame.mask & inside
     keypoints = scene.camera.project(scene.T_cam_target @ target.keypoints_m)
-    seen = np.where(visible_keypoints(target, scene.T_cam_target), 2, 1)
+    shown = np.where(visible_keypoints(target, scene.T_cam_target), 2, 1)
     return TrainingSample(
         image=resample(np.where(inside, as_8_bit(image, scene.sensor.bits), np.uint8(0)), side),
         keypoints_px=crop.to_network(keypoints, side),
-        visibility=np.where(scene.camera.contains(keypoints), seen, NOT_IN_IMAGE),
+        visibility=np.where(scene.camera.contains(keypoints), shown, NOT_IN_IMAGE),
         box_xyxy=box_of_mask(mask) * (side / pixels),
         mask=resample(mask.astype(np.uint8) * 255, side) > 127,
     )
@@ -159,8 +161,8 @@ def binned(spec: SensorSpec, factor: int) -> SensorSpec:
     )
 
 
-def _inside_image(crop: Crop, camera: Camera, pixels: int) -> np.ndarray:
-    """(pixels, pixels) bool, where the crop lies in the image."""
+def _inside_image(crop: Crop, camera: Camera, pixels: int) -> Bool[np.ndarray, "pixels pixels"]:
+    """Where the crop lies in the image."""
     centre = (np.arange(pixels) + 0.5) * (crop.size / pixels)
     x, y = centre + crop.x, centre + crop.y
     return ((y >= 0) & (y < camera.height))[:, None] & ((x >= 0) & (x < camera.width))[None, :]

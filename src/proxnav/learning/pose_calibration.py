@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import UInt
 
 from proxnav.cluster.progress import Progress, silent
 from proxnav.errors import InputError
@@ -12,6 +11,7 @@ from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
+from proxnav.geometry.types import Image
 from proxnav.learning.alignment_calibration import KEPT, Samples, calibrated
 from proxnav.learning.crops import BEHIND_M, observation
 from proxnav.missions.scenes import draw_scenes
@@ -31,11 +31,11 @@ class CalibrationFrames:
     count: int
     progress: Progress = silent
 
-    def shown(self, job: str) -> Iterator[tuple[UInt[np.ndarray, "height width"], SceneSpec]]:
+    def shown(self, job: str) -> Iterator[tuple[Image, SceneSpec]]:
         """Frames that show the target, with their scenes."""
         return self._drawn(job, self.count, _SEED, lambda scene: scene)
 
-    def empty(self, job: str) -> Iterator[tuple[UInt[np.ndarray, "height width"], SceneSpec]]:
+    def empty(self, job: str) -> Iterator[tuple[Image, SceneSpec]]:
         """A third as many frames of sky and Earth alone."""
         return self._drawn(
             job, max(1, self.count // 3), _EMPTY_SEED, lambda scene: replace(scene, t_cam_target_m=BEHIND_M)
@@ -43,7 +43,7 @@ class CalibrationFrames:
 
     def _drawn(
         self, job: str, count: int, seed: int, change: Callable[[SceneSpec], SceneSpec]
-    ) -> Iterator[tuple[UInt[np.ndarray, "height width"], SceneSpec]]:
+    ) -> Iterator[tuple[Image, SceneSpec]]:
         make = FrameJob(self.target, FrameConfig("raycast"))()
         with self.progress(job, count) as done:
             for scene in draw_scenes(observation(self.target), count, seed):

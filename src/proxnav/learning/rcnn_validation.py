@@ -14,7 +14,7 @@ from proxnav.estimator import PoseEstimator, consensus_for
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.pose_errors import pose_errors
-from proxnav.geometry.types import Points
+from proxnav.geometry.types import Image, Points
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 
@@ -27,13 +27,13 @@ _SEED = 7_000_002
 class Labelled:
     """A frame with its true pose."""
 
-    image: np.ndarray
+    image: Image
     camera: Camera
     T_cam_target: Pose
 
 
 def fresh_frames(target: str, count: int, side: int) -> Iterator[Labelled]:
-    """Ray-cast frames of `observation-10-100m`, twice as large as the network sees them."""
+    """Ray-cast frames of `observation-10-100m`, twice as large as the network is given them."""
     make = FrameJob(target, FrameConfig("raycast"))()
     mission = load_mission("observation-10-100m")
     scenes = draw_scenes(mission, count, _SEED, min(2 * side, mission.camera.width))
@@ -57,8 +57,8 @@ def mean_e_c(
     def validate(network: nn.Module) -> float:
         assert isinstance(network, KeypointRcnn)
         kept.extend(() if kept else frames())
-        look = lambda image: predict(network, image, DetectConfig())  # noqa: E731
-        estimate = PoseEstimator(look, points_m, tuple(names), "", consensus_for(len(points_m)))
+        detect = lambda image: predict(network, image, DetectConfig())  # noqa: E731
+        estimate = PoseEstimator(detect, points_m, tuple(names), "", consensus_for(len(points_m)))
         return float(np.mean([_e_c(estimate, frame) for frame in kept]))
 
     return validate

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import is_elsewhere
 from proxnav.detection.heatmap.config import HeatmapSettings
@@ -13,7 +11,7 @@ from proxnav.detection.heatmap.detector import HeatmapDetector
 from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.sessions import Backend, open_session
 from proxnav.errors import InputError
-from proxnav.geometry.types import Box
+from proxnav.geometry.types import Box, Image
 from proxnav.models.card import CARD, ModelCard, card_content, card_from
 from proxnav.records import Keypoints
 from proxnav.targets import Target
@@ -22,8 +20,8 @@ from proxnav.targets.loading import load_target
 SHIPPED = Path(__file__).parents[1] / "weights"
 """Models that come with the package, a folder each."""
 
-Detect = Callable[[np.ndarray], Keypoints]
-DetectIn = Callable[[np.ndarray, Box], Keypoints]
+Detect = Callable[[Image], Keypoints]
+DetectIn = Callable[[Image, Box], Keypoints]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,12 +7,9 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from jaxtyping import UInt8
 
 from proxnav.detection.samples import TrainingSample
-
-Grey = UInt8[np.ndarray, "height width"]
-
+from proxnav.geometry.types import GreyImage
 
 TONE_SHARE, BLUR_SHARE, ERASE_SHARE = 0.7, 0.2, 0.25
 """Shares of the samples that each effect happens to, independently."""
@@ -30,7 +27,7 @@ ERASE_SIZE = (0.1, 0.4)
 
 
 def augment(sample: TrainingSample, rng: np.random.Generator) -> TrainingSample:
-    """The sample under a random similarity and a random change of looks."""
+    """The sample under a random similarity and a random change of tones."""
     sample = moved(sample, rng)
     image = sample.image
     if rng.random() < TONE_SHARE:
@@ -60,13 +57,13 @@ def moved(sample: TrainingSample, rng: np.random.Generator) -> TrainingSample:
     return replace(sample, image=image, mask=mask, keypoints_px=sample.keypoints_px @ A.T + b)
 
 
-def _tone(image: Grey, rng: np.random.Generator) -> Grey:
+def _tone(image: GreyImage, rng: np.random.Generator) -> GreyImage:
     gain, gamma = (np.exp(rng.uniform(*np.log(limits))) for limits in (GAIN, GAMMA))
     table = 255.0 * np.clip(gain * (np.arange(256) / 255.0) ** gamma, 0.0, 1.0)
     return cv2.LUT(image, np.round(table).astype(np.uint8))
 
 
-def _erase(image: Grey, rng: np.random.Generator) -> Grey:
+def _erase(image: GreyImage, rng: np.random.Generator) -> GreyImage:
     h, w = image.shape
     eh, ew = (int(side * rng.uniform(*ERASE_SIZE)) for side in (h, w))
     y, x = rng.integers(0, h - eh), rng.integers(0, w - ew)

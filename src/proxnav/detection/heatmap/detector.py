@@ -3,12 +3,11 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import UInt8
 
 from proxnav.detection.heatmap.config import HeatmapSettings
 from proxnav.detection.heatmap.patch import brightest_patches
 from proxnav.detection.sessions import Session
-from proxnav.geometry.types import Box
+from proxnav.geometry.types import Box, GreyImage, Image
 from proxnav.images.crop import Crop, cut
 from proxnav.images.tones import grey_8_bit, is_blank
 from proxnav.records import Keypoints
@@ -42,12 +41,12 @@ class HeatmapDetector:
     n_keypoints: int
     settings: HeatmapSettings = field(default_factory=HeatmapSettings)
 
-    def __call__(self, image: np.ndarray) -> Keypoints:
+    def __call__(self, image: Image) -> Keypoints:
         """Keypoints of the target, searched for in an image (uint8 or uint16, grey or colour)."""
         grey = grey_8_bit(image)
         return self._blank() if is_blank(grey) else self._best_crop(grey, self._find(grey))
 
-    def detect_in(self, image: np.ndarray, box_xyxy: Box) -> Keypoints:
+    def detect_in(self, image: Image, box_xyxy: Box) -> Keypoints:
         """Keypoints in a crop round a box [px]: that of a first pose, or of a filter's prediction."""
         grey = grey_8_bit(image)
         return self._blank() if is_blank(grey) else self._read_crop(grey, box_xyxy, _MARGIN)
@@ -55,14 +54,14 @@ class HeatmapDetector:
     def _blank(self) -> Keypoints:
         return Keypoints.none("bad_image", self.n_keypoints)
 
-    def _find(self, grey: UInt8[np.ndarray, "height width"]) -> list[Box]:
+    def _find(self, grey: GreyImage) -> list[Box]:
         """Boxes [px] in a grey frame in which the target may be, the likeliest first."""
         side, finder_side = max(grey.shape), self.settings.finder_side
         probability = self.find(cut(grey, Crop(0, 0, side), finder_side)[None])[0][0].astype(np.float64)
         scale = _CELL * side / finder_side
         return [box * scale for box in brightest_patches(probability, _PRESENCE, _PATCHES)]
 
-    def _best_crop(self, grey: UInt8[np.ndarray, "height width"], boxes: list[Box]) -> Keypoints:
+    def _best_crop(self, grey: GreyImage, boxes: list[Box]) -> Keypoints:
         """Keypoints of the surest of several crops, the usual one first; mostly it is the only one."""
         best = Keypoints.none("no_target", self.n_keypoints)
         crops = [(box, margin) for margin in (_SEARCH_MARGIN, _SEARCH_MARGIN * _CLOSER) for box in boxes]
@@ -75,7 +74,7 @@ class HeatmapDetector:
                 break
         return best
 
-    def _read_crop(self, grey: UInt8[np.ndarray, "height width"], box: Box, margin: float) -> Keypoints:
+    def _read_crop(self, grey: GreyImage, box: Box, margin: float) -> Keypoints:
         """Keypoints that the network reads in one crop round the box."""
         crop, side = Crop.around(box, margin), self.settings.crop_side
         points, scores, covariances, shown = self.read(cut(grey, crop, side)[None])

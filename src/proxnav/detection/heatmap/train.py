@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from proxnav.detection.heatmap.augment import augment
@@ -126,8 +127,10 @@ def batch_of(samples: Sequence[TrainingSample]) -> dict[str, Tensor]:
     }
 
 
-def keypoint_errors(net: nn.Module, samples: Sequence[TrainingSample], batch_size: int = 32) -> np.ndarray:
-    """(samples, n) distance of each decoded keypoint from its label [px of the crop]; NaN outside the crop."""
+def keypoint_errors(
+    net: nn.Module, samples: Sequence[TrainingSample], batch_size: int = 32
+) -> Float[np.ndarray, "n_samples n_keypoints"]:
+    """Distance of each decoded keypoint from its label [px of the crop]; NaN outside the crop."""
     net.eval()
     errors = []
     for start in range(0, len(samples), batch_size):
@@ -142,8 +145,8 @@ def keypoint_errors(net: nn.Module, samples: Sequence[TrainingSample], batch_siz
     return np.concatenate(errors)
 
 
-def _cells(sample: TrainingSample) -> np.ndarray:
-    """(h / stride, w / stride) share of each cell that shows the target."""
+def _cells(sample: TrainingSample) -> Float[np.ndarray, "rows columns"]:
+    """Share of each cell that shows the target."""
     h, w = sample.image.shape
     mask = np.zeros((h, w), np.float32) if sample.mask is None else sample.mask.astype(np.float32)
     return mask.reshape(h // STRIDE, STRIDE, w // STRIDE, STRIDE).mean(axis=(1, 3))

@@ -22,7 +22,7 @@ def fit_calibration(errors_px: Float[np.ndarray, "m 2"], spreads_px2: Float[np.n
     if len(errors) < FEWEST:
         raise InputError(f"{len(errors)} keypoints found in the validation images; calibration needs {FEWEST} or more")
 
-    def cost(logs: np.ndarray) -> float:
+    def cost(logs: Float[np.ndarray, "2"]) -> float:
         scale, variance = np.exp(logs)
         covariances = scale * spreads + variance * np.eye(2)
         squared = np.einsum("ni,nij,nj->n", errors, np.linalg.inv(covariances), errors)

@@ -12,7 +12,7 @@ class NetworkConfig:
     side: int = 800
     """Side of the square input [px], a multiple of 32; images are resampled to it."""
     depth: Literal[18, 34, 50] = 50
-    """Of the residual backbone."""
+    """Layers of the residual backbone."""
     norm: Literal["group", "batch"] = "batch"
     """group: independent of the batch; batch: faster, needs 8 images or more in one pass. Never frozen."""
     pyramid_channels: int = 256

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Bool, Float, UInt8
+from jaxtyping import Bool, Float, Shaped, UInt8
 
 from proxnav.detection.keypoint_rcnn.decode import Calibration, covariances, decode_maps
 from proxnav.detection.keypoint_rcnn.masks import paste
@@ -52,7 +52,9 @@ class Detection:
     mask: Bool[np.ndarray, "h w"] | None = None
 
 
-def detect(run: RunNetwork, image: np.ndarray, side: int, n_keypoints: int, config: DetectConfig) -> Detection:
+def detect(
+    run: RunNetwork, image: Shaped[np.ndarray, "..."], side: int, n_keypoints: int, config: DetectConfig
+) -> Detection:
     """Keypoints of one image (h, w) or (h, w, 3) of 8 or 16 bits, in its own corner-origin pixels."""
     try:
         picture = grey_8_bit(image)

@@ -50,7 +50,7 @@ class KeypointRcnn(nn.Module):
         return ImageList(x, sizes), self.parts.backbone(x)
 
     def best(self, images: ImageList, features: OrderedDict[str, Tensor]) -> dict[str, Tensor]:
-        """Of each image the box with the highest score: boxes (b, 4), scores (b,), keypoint_maps (b, n, 56, 56)."""
+        """The box with the highest score of each image: boxes (b, 4), scores (b,), keypoint_maps (b, n, 56, 56)."""
         heads: Any = self.parts.roi_heads
         proposals, _ = self.parts.rpn(images, features)
         pooled = heads.box_head(heads.box_roi_pool(features, proposals, images.image_sizes))

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import onnxruntime
+from jaxtyping import UInt8
 
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig, Detection, Found, RunNetwork, detect
 from proxnav.errors import InputError
+from proxnav.geometry.types import Image
 from proxnav.records import Keypoints
 
 
@@ -22,11 +24,11 @@ class OnnxKeypointRcnn:
     n_keypoints: int
     notes: dict[str, Any]
 
-    def predict(self, image: np.ndarray, config: DetectConfig | None = None) -> Keypoints:
+    def predict(self, image: Image, config: DetectConfig | None = None) -> Keypoints:
         """Keypoints of one image, in its corner-origin pixels; `no_target` where no box scores enough."""
         return self.predict_with_mask(image, config).keypoints
 
-    def predict_with_mask(self, image: np.ndarray, config: DetectConfig | None = None) -> Detection:
+    def predict_with_mask(self, image: Image, config: DetectConfig | None = None) -> Detection:
         """As `predict`, with the target's pixels when the network has a mask head."""
         return detect(self.run, image, self.side, self.n_keypoints, config or DetectConfig())
 
@@ -46,7 +48,7 @@ def load_onnx(path: Path, threads: int = 0) -> OnnxKeypointRcnn:
         raise InputError(f"{path} holds a {notes.get('detector', 'foreign')} network, expected keypoint-rcnn")
     names = [output.name for output in session.get_outputs()]
 
-    def run(picture: np.ndarray) -> Found:
+    def run(picture: UInt8[np.ndarray, "side side"]) -> Found:
         outputs: Any = session.run(names, {"image": np.ascontiguousarray(picture)[None]})
         found = {name: value[0].astype(np.float64) for name, value in zip(names, outputs, strict=True)}
         return Found(found["boxes"], float(found["scores"]), found["keypoint_maps"], found.get("mask_maps"))

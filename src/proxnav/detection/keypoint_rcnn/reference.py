@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 
-import numpy as np
 import torch
-from jaxtyping import UInt8
 from torchvision.models.detection import keypointrcnn_resnet50_fpn
 
+from proxnav.geometry.types import GreyImage
 
-def untrained_keypoint_rcnn(threads: int) -> Callable[[UInt8[np.ndarray, "height width"]], object]:
+
+def untrained_keypoint_rcnn(threads: int) -> Callable[[GreyImage], object]:
     """Six keypoints, float32, eager, 800 px, weights drawn at random; `threads` 0 takes all cores.
 
     Untrained it proposes as many boxes as a trained one, but keeps fewer of them for the keypoint head: it is faster
@@ -18,7 +18,7 @@ def untrained_keypoint_rcnn(threads: int) -> Callable[[UInt8[np.ndarray, "height
         torch.set_num_threads(threads)
     net = keypointrcnn_resnet50_fpn(weights=None, weights_backbone=None, num_keypoints=6).eval()
 
-    def detect(image: UInt8[np.ndarray, "height width"]) -> object:
+    def detect(image: GreyImage) -> object:
         colour = torch.from_numpy(image).float().div(255.0).expand(3, -1, -1)
         with torch.inference_mode():
             return net([colour])

@@ -6,11 +6,12 @@ from typing import Any, Literal
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from proxnav.detection.keypoint_rcnn.config import STUDY, STUDY_SMALL, NetworkConfig
 from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
-from proxnav.detection.keypoint_rcnn.views import padded, seen_through, whole, zoomed
+from proxnav.detection.keypoint_rcnn.views import in_view, padded, whole, zoomed
 from proxnav.detection.keypoint_rcnn.weights import DETECTOR, start_from
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
 from proxnav.detection.training import Learner, LoopConfig, Rate, TrainingResult, Validate, train
@@ -26,9 +27,9 @@ class Stage:
     until: float
     """Share of the run's steps at which the stage ends."""
     side: int
-    """Of the square that the network sees [px], a multiple of 32."""
+    """Side of the square that the network is given [px], a multiple of 32."""
     zoom_share: float = 0.0
-    """Of the samples, seen through a square round the target instead of whole."""
+    """Share of the samples that are cropped to a square round the target instead of whole."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ def batch_of(samples: list[TrainingSample], network: NetworkConfig) -> dict[str,
     return batch
 
 
-def _mask(sample: TrainingSample) -> np.ndarray:
+def _mask(sample: TrainingSample) -> Float[np.ndarray, "height width"]:
     if sample.mask is None:
         raise InputError("a sample has no mask, but the network has a mask head: give masks or set mask to false")
     return sample.mask.astype(np.float32)
@@ -112,13 +113,13 @@ def _mask(sample: TrainingSample) -> np.ndarray:
 def _collate(config: TrainKeypointRcnnConfig) -> Any:
     def collate(samples: list[TrainingSample], step: int, rng: np.random.Generator) -> dict[str, Tensor]:
         stage = _stage(config, step)
-        seen = []
+        given = []
         for sample in samples:
             check_keypoint_count(sample, config.network.n_keypoints)
             near = sample.has_target and rng.random() < stage.zoom_share
             view = zoomed(sample.box_xyxy, rng) if near else whole(sample.image)
-            seen.append(seen_through(sample, view, stage.side))
-        return batch_of(seen, config.network)
+            given.append(in_view(sample, view, stage.side))
+        return batch_of(given, config.network)
 
     return collate
 

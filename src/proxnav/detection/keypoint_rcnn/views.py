@@ -1,14 +1,15 @@
-"""What the network sees of an image: a square of it, grey, at the network's side."""
+"""What the network is given of an image: a square of it, grey, at the network's side."""
 
 import numpy as np
 from jaxtyping import Float
 
 from proxnav.detection.samples import TrainingSample
+from proxnav.geometry.types import GreyImage
 from proxnav.images.crop import Crop, cut
 from proxnav.images.tones import grey_8_bit
 
 
-def whole(image: np.ndarray) -> Crop:
+def whole(image: GreyImage) -> Crop:
     """The square that holds the whole image, from its upper left corner."""
     return Crop(0, 0, max(image.shape[:2]))
 
@@ -20,8 +21,8 @@ def zoomed(box_xyxy: Float[np.ndarray, "4"], rng: np.random.Generator) -> Crop:
     return Crop.around(moved, margin=rng.uniform(1.15, 2.0))
 
 
-def seen_through(sample: TrainingSample, view: Crop, side: int) -> TrainingSample:
-    """The sample as the network sees it; points and box beyond the view are cut off."""
+def in_view(sample: TrainingSample, view: Crop, side: int) -> TrainingSample:
+    """The sample as the network is given it; points and box beyond the view are cut off."""
     points = view.to_network(sample.keypoints_px, side)
     inside = ((points >= 0) & (points < side)).all(axis=1)
     corners = view.to_network(sample.box_xyxy.reshape(2, 2), side)
