@@ -28,7 +28,7 @@ def test_the_filter_tells_the_estimator_where_to_look(
 
     monkeypatch.setattr(PoseEstimator, "keypoints_and_pose", watched)
     out = tmp_path / "loop"
-    argv = ["simulate", "--out", str(out), "--camera", "raycast", "--start-s", "4600", "--duration-s", "10"]
+    argv = ["simulate", "--out", str(out), "--detector", "raycast", "--start-s", "4600", "--duration-s", "10"]
     assert main([*argv, "--truth.step-s", "0.5"]) == 0
     assert boxes[0] is None
     assert boxes[-1] is not None

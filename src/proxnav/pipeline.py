@@ -4,11 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from proxnav.cluster.progress import Progress, silent
-from proxnav.errors import InputError
 from proxnav.estimation import estimate_images
 from proxnav.evaluation.judgement import Judgement, judge
 from proxnav.frames import FrameConfig
-from proxnav.missions import Mission, fly
+from proxnav.missions import Mission, fly_mission
 from proxnav.missions.scenes import follow
 from proxnav.models.loading import load_model
 from proxnav.rendered_set import render
@@ -24,9 +23,8 @@ def run(
     `options` is the dataclass that the run was asked with, which config.json keeps. The same call resumes.
     """
     points_m = load_model(model).card.keypoints_m
-    if not mission.flight.trajectory:
-        raise InputError(f"mission '{mission.name}' has no trajectory to fly; spiral-10-100m, for one, has")
-    trajectory = fly(mission.flight.trajectory)
+
+    trajectory = fly_mission(mission)
 
     scenes = follow(trajectory, mission, frames, seed)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from proxnav.cli.main import main
-from proxnav.commands.navigate import sums
+from proxnav.evaluation.flight_accuracy import mean_accuracy
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 SHORT = ["--preset", "approach-100-10m", "--duration-s", "8"]
@@ -68,11 +68,17 @@ def test_nonsense_is_refused(words: list[str], said: str, capsys) -> None:
     assert said in capsys.readouterr().err
 
 
-def test_sums_are_over_the_flights_whose_truth_is_known() -> None:
+def test_means_are_over_the_flights_whose_truth_is_known() -> None:
     flight = {"starts": 1, "rms_position_m": [3.0, 0.0, 0.0], "rms_velocity_mps": [0.0, 1.0, 0.0],
               "rms_attitude_deg": [0.0, 0.0, 2.0], "mean_nees_of_12": 10.0, "inside_3_sigma": 1.0}  # fmt: skip
     other = flight | {"rms_position_m": [0.0, 4.0, 3.0], "starts": 2}
-    found = sums([flight, other, {"starts": 1}])
+    found = mean_accuracy([flight, other, {"starts": 1}])
     assert (found["flights"], found["with_truth"], found["starts"]) == (3, 2, 4)
     assert found["rms_position_m"] == pytest.approx((17.0) ** 0.5)
-    assert sums([{"starts": 1}]) == {"flights": 1, "with_truth": 0, "starts": 1}
+    assert mean_accuracy([{"starts": 1}]) == {"flights": 1, "with_truth": 0, "starts": 1}
+
+
+def test_the_former_spelling_of_the_detector_says_the_present_one(tmp_path: Path, capsys) -> None:
+    assert main(["simulate", "--out", str(tmp_path / "run"), "--camera", "raycast"]) == 1
+    assert "--detector raycast" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()

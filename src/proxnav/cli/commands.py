@@ -55,7 +55,11 @@ COMMANDS: dict[str, Command | Group] = {
     "train": Group("a keypoint detector, from a data set or rendered on line", TRAIN),
     "estimate": Command("images or a data set to poses.json", "estimate"),
     "solve": Command("keypoints of your own detector to poses.json", "solve"),
-    "simulate": Command("sensor records along a trajectory: camera, gyro, star tracker, GNSS", "simulate"),
+    "simulate": Command(
+        "sensor records along a trajectory: camera, gyro, star tracker, GNSS",
+        "simulate",
+        renamed={"--camera": "--detector modelled (was model) or --detector raycast"},
+    ),
     "navigate": Command("the filter over records: navigation solution with covariance", "navigate"),
     "evaluate": Command("poses.json against truth: the study's Table 1 and ours", "evaluate"),
     "report": Command("one HTML page of a finished run", "report"),

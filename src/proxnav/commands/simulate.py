@@ -1,27 +1,20 @@
 """`proxnav simulate`: sensor records along a trajectory, on truth that no filter knows."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
-
-import numpy as np
 
 from proxnav.cli.options import WorkerOptions
-from proxnav.commands.many_runs import run_many, single
-from proxnav.commands.simulate_jobs import Flight, FlightJob, write_flight
+from proxnav.cli.progress import progress
 from proxnav.errors import InputError
 from proxnav.flight.simulate import SensingConfig
 from proxnav.flight.truth import TruthConfig
-from proxnav.missions import fly, load_mission
+from proxnav.flights import Detector, FlightPlan, flight_text, fly_many, write_flight
+from proxnav.missions import fly_mission, load_mission
 from proxnav.models.loading import carried_model
-from proxnav.records import Trajectory
 from proxnav.targets.loading import load_target
 from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig
-from proxnav.trajectories.selection import select
-
-_TRIED_S = 20.0
-"""Of a flight, to say how long all of it would take."""
+from proxnav.trajectories.selection import clip_time
 
 
 @dataclass(frozen=True)
@@ -44,86 +37,30 @@ class SimulateConfig(WorkerOptions):
     """How long; to the end when not given."""
     seed: int = 0
     """Same seed, same records."""
-    camera: Literal["model", "raycast"] = "model"
-    """model: by statistics; raycast: closed loop."""
+    detector: Detector = "modelled"
+    """modelled: by the statistics of its errors; raycast: frames are rendered and read in the loop."""
     estimator: str = "space-rider"
-    """Closed loop: model."""
+    """Model that reads the rendered frames."""
     runs: int = 1
     """Flights of as many seeds from --seed on; more than one go into OUT/SEED each."""
-    dry_run: bool = False
-    """Only say what time and disk it would take, tried on a little of it."""
     truth: TruthConfig = field(default_factory=TruthConfig)
     sensing: SensingConfig = field(default_factory=SensingConfig)
 
 
 def run(config: SimulateConfig) -> None:
-    """Entry of `proxnav simulate`."""
+    """Flies once, or as often as asked for."""
     if config.runs < 1 or config.seed < 0:
         raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
-    reference = cut(_reference(config), config.start_s, config.duration_s)
-    target = load_target(config.target)
-    camera = load_mission(config.preset).camera
-    flight = Flight(reference, target, camera, config.camera, config.estimator, config.truth, config.sensing)
-    if config.dry_run:
-        print(dry_run(flight, config))
-        return
-    if config.runs > 1:
-        _fly_many(flight, config)
-        return
-    truth, records = flight.fly(config.seed)
-    write_flight(config.out, truth, records, flight.lens, config)
-    ranges = np.linalg.norm(truth.relative[0], axis=1)
-    frames = 0 if records.keypoints is None else len(records.keypoints.t)
-    span = f"{truth.t[-1] - truth.t[0]:.0f} s at {ranges.min():.1f} to {ranges.max():.1f} m"
-    print(f"{span}, {frames} frames in {config.out}")
-
-
-def _fly_many(flight: Flight, config: SimulateConfig) -> None:
-    seeds = range(config.seed, config.seed + config.runs)
-    runs = [(f"{seed:05d}", single(config, f"{seed:05d}", seed=seed, runs=1)) for seed in seeds]
-    run_many(
-        "simulate", FlightJob(flight, carried_model(config.estimator, config.on)), runs, config, last="config.json"
+    mission, target = load_mission(config.preset), load_target(config.target)
+    whole = read_trajectory(config.trajectory, config.reader) if config.trajectory else fly_mission(mission)
+    reference = clip_time(whole, config.start_s, config.duration_s)
+    plan = FlightPlan(
+        reference, target, mission.camera, config.detector, config.estimator, config.truth, config.sensing
     )
-    print(f"{config.runs} flights of {reference_s(flight.reference):.0f} s in {config.out}")
-
-
-def dry_run(flight: Flight, config: SimulateConfig) -> str:
-    """Measured on 20 s of the flight; every second of every flight counts the same."""
-    from proxnav.commands.dry_run import of_runs
-
-    piece = replace(flight, reference=cut(flight.reference, float(flight.reference.t[0]), _TRIED_S))
-    share = reference_s(flight.reference) / reference_s(piece.reference)
-
-    def try_one(folder: Path) -> None:
-        write_flight(folder, *piece.fly(config.seed), flight.lens, config)
-
-    estimate = of_runs(try_one, share * config.runs, config.workers)
-    return estimate.text(f"{config.runs} flight(s) of {reference_s(flight.reference):.0f} s")
-
-
-def reference_s(reference: Trajectory) -> float:
-    """How long it lasts."""
-    return float(reference.t[-1] - reference.t[0])
-
-
-def cut(reference: Trajectory, start_s: float, duration_s: float | None) -> Trajectory:
-    """The instants of a trajectory from `start_s` for `duration_s`."""
-    end = np.inf if duration_s is None else start_s + duration_s
-    keep = (reference.t >= start_s - 1e-9) & (reference.t <= end + 1e-9)
-    if keep.sum() < 2:
-        raise InputError(
-            f"--start-s {start_s:g} and --duration-s leave {keep.sum()} instants of a trajectory from "
-            f"{reference.t[0]:g} to {reference.t[-1]:g} s; at least 2 are needed"
-        )
-    return select(reference, np.flatnonzero(keep))
-
-
-def _reference(config: SimulateConfig) -> Trajectory:
-    if config.trajectory:
-        return read_trajectory([str(path) for path in config.trajectory], config.reader)
-    mission = load_mission(config.preset)
-    if not mission.flight.trajectory:
-        raise InputError(
-            f"mission '{mission.name}' has no trajectory to fly; spiral-10-100m has one, or give --trajectory"
-        )
-    return fly(mission.flight.trajectory)
+    if config.runs > 1:
+        fly_many(plan, carried_model(config.estimator, config.on), config, progress)
+        print(f"{config.runs} flights of {reference.t[-1] - reference.t[0]:.0f} s in {config.out}")
+        return
+    truth, records = plan.fly(config.seed, progress)
+    write_flight(config.out, truth, records, plan.camera, config)
+    print(f"{flight_text(truth, records)} in {config.out}")

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from proxnav.errors import InputError
+from proxnav.missions.mission import Mission
 from proxnav.records import Trajectory
 from proxnav.trajectories import (
     OBSERVATION_10_100_STRICT,
@@ -31,3 +32,10 @@ def fly(name: str) -> Trajectory:
     if name not in FLIGHTS:
         raise InputError(f"no trajectory '{name}'; one of {', '.join(FLIGHTS)}, or give a file")
     return FLIGHTS[name]()
+
+
+def fly_mission(mission: Mission) -> Trajectory:
+    """The trajectory of a mission; InputError where it has none, but independent frames."""
+    if not mission.flight.trajectory:
+        raise InputError(f"mission '{mission.name}' has no trajectory to fly; spiral-10-100m, for one, has")
+    return fly(mission.flight.trajectory)

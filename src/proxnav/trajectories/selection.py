@@ -27,6 +27,18 @@ def clip_range(trajectory: Trajectory, least_m: float, most_m: float) -> Traject
     return select(trajectory, inside)
 
 
+def clip_time(trajectory: Trajectory, start_s: float, duration_s: float | None) -> Trajectory:
+    """The instants from `start_s` for `duration_s`, to the end for None."""
+    end = np.inf if duration_s is None else start_s + duration_s
+    keep = (trajectory.t >= start_s - 1e-9) & (trajectory.t <= end + 1e-9)
+    if keep.sum() < 2:
+        raise InputError(
+            f"--start-s {start_s:g} and --duration-s leave {keep.sum()} instants of a trajectory from "
+            f"{trajectory.t[0]:g} to {trajectory.t[-1]:g} s; at least 2 are needed"
+        )
+    return select(trajectory, np.flatnonzero(keep))
+
+
 def observable(trajectory: Trajectory, max_phase_rad: float) -> Bool[np.ndarray, "n"]:
     """Instants at which the target is sunlit and the angle Sun-target-camera is at most `max_phase_rad`."""
     return (trajectory.sun_visible > 0.5) & (trajectory.phase_rad < max_phase_rad)

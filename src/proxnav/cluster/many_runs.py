@@ -1,32 +1,27 @@
 """Many independent runs of one command, each in a folder of its own: finished ones are kept, wherever they are made."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from proxnav.cli.progress import progress
 from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import run_anywhere
+from proxnav.cluster.progress import Progress, silent
 from proxnav.errors import InputError
 from proxnav.storage.files import inside, read_json, write_atomic, write_json
 from proxnav.storage.lock import only_run_in
 from proxnav.storage.run_record import plain, run_record
 
-Named = tuple[str, Any]
+NamedRun = tuple[str, Any]
 """Name of a run, which is its folder's, and what the run is made of."""
-_MAY_DIFFER = ("out", "records", "runs", "workers", "on", "dry_run")
+_MAY_DIFFER = ("out", "records", "runs", "workers", "on")
 
 
 def run_many(
-    command: str,
-    make_job: Callable[[], Callable[[Named], Carried]],
-    runs: Sequence[Named],
-    options: Any,
-    last: str,
-    send: Callable[[Named], Named] | None = None,
-) -> None:
+    command: str, make_job: Callable[[], Callable[[NamedRun], Carried]], runs: Sequence[NamedRun], options: Any,
+    last: str, send: Callable[[NamedRun], NamedRun] | None = None, progress: Progress = silent,
+) -> None:  # fmt: skip
     """Each run's files in `options.out / name`, the file `last` at the end: a run that has it is kept.
 
     `options` is the command's dataclass, kept as COMMAND.json; InputError where the folder holds runs of other ones.
@@ -36,7 +31,7 @@ def run_many(
         _check_options(out / f"{command}.json", options)
         waiting = [run for run in runs if not (out / run[0] / last).is_file()]
         with progress(command, len(waiting)) as done:
-            for (name, _), carried in run_anywhere(make_job, waiting, options.workers, options.on, _named, send):
+            for (name, _), carried in run_anywhere(make_job, waiting, options.workers, options.on, _name, send):
                 for file in sorted(carried.files, key=lambda file: (file == last, file)):
                     write_atomic(inside(out / name, file), carried.files[file])
                 done()
@@ -49,12 +44,7 @@ def files_of(write: Callable[[Path], object]) -> Carried:
         return Carried.of(Path(folder))
 
 
-def single(options: Any, name: str, **changes: Any) -> Any:
-    """The options with which one of many runs would be made alone."""
-    return replace(options, out=options.out / name, workers=1, on="pool", **changes)
-
-
-def _named(run: Named) -> str:
+def _name(run: NamedRun) -> str:
     return run[0]
 
 
