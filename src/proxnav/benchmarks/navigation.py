@@ -10,7 +10,7 @@ from proxnav.benchmarks.campaign import Campaign
 from proxnav.benchmarks.filter_speed import measure_speed
 from proxnav.benchmarks.monte_carlo import RunJob, judge_fault, summarise
 from proxnav.flight.faults import Fault
-from proxnav.flight.sensors.fixes import StarTrackerConfig
+from proxnav.flight.sensors.star_tracker import StarTrackerConfig
 from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
 from proxnav.flight.truth import TruthConfig
 from proxnav.missions import fly, load_mission
