@@ -148,7 +148,8 @@ def _record(entry: Any, name: str, path: Path, shift: float) -> LabelRecord:
         q = finite_numbers(entry["q_cam_target"], 4, f"{where} q_cam_target")
         T = Pose.from_wxyz("cam", "target", q, finite_numbers(entry["t_cam_target"], 3, f"{where} t_cam_target"))
     return LabelRecord(
-        name, T, "ok" if T is not None else "no_pose", keypoints_px=uvf[:, :2] + shift, visibility=uvf[:, 2].astype(np.int64),
+        name, T, "ok" if T is not None else "no_pose",
+        keypoints_px=uvf[:, :2] + shift, visibility=uvf[:, 2].astype(np.int64),
         box_xyxy=np.array([x, y, x + w, y + h]) if w > 0 and h > 0 else None, image=image, mask=mask,
     )  # fmt: skip
 
