@@ -14,7 +14,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.rendering.cycles import CyclesConfig
 from proxnav.rendering.cycles.blender import find_blender
-from proxnav.rendering.cycles.process import Worker, WorkerDied
+from proxnav.rendering.cycles.process import BlenderWorker, WorkerDied
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.targets import Material
 
@@ -102,13 +102,13 @@ def test_a_python_without_bpy_is_named(ball, scene, monkeypatch):
 def test_what_a_worker_printed_is_in_the_error():
     command = [sys.executable, "-c", "import sys; sys.exit('no such luck')"]
     with pytest.raises(WorkerDied, match=r"exit status 1; it last printed:\nno such luck"):
-        Worker.start(command, 20.0)
+        BlenderWorker.start(command, 20.0)
 
 
 def test_a_silent_worker_is_killed_after_its_time():
     began = time.monotonic()
     with pytest.raises(WorkerDied, match=r"gave no answer in 0\.5 s"):
-        Worker.start([sys.executable, "-c", "import time; time.sleep(60)"], 0.5)
+        BlenderWorker.start([sys.executable, "-c", "import time; time.sleep(60)"], 0.5)
     assert time.monotonic() - began < 20.0
 
 

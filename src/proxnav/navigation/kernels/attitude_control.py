@@ -1,12 +1,11 @@
 """How a target turns that somebody controls: its attitude is pulled back to what is wanted."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from proxnav.geometry.compiled.kernel import kernel
-from proxnav.geometry.compiled.rotations import multiply, to_matrix
+from proxnav.geometry.compiled.rotations import log_matrix, multiply, to_matrix
 from proxnav.navigation.layout import X
 
 
@@ -34,7 +33,7 @@ def control_loop(control):
 def control_error(x, control):
     """(error of a controlled target's attitude [rad], wanted rate [rad/s]), both in target axes."""
     R = np.ascontiguousarray(control[CONTROL.R_eci_wanted]).T @ to_matrix(multiply(x[X.q_eci_cam], x[X.q_cam_target]))
-    return _log_matrix(R), R.T @ np.ascontiguousarray(control[CONTROL.rate])
+    return log_matrix(R), R.T @ np.ascontiguousarray(control[CONTROL.rate])
 
 
 @kernel
@@ -44,13 +43,3 @@ def control_acceleration(x, control):
     w0, zeta = control_loop(control)
     excess = x[X.rate] - wanted
     return -w0 * w0 * error - 2.0 * zeta * w0 * excess + np.cross(wanted, excess)
-
-
-@kernel
-def _log_matrix(R):
-    """Rotation vector of a matrix, for turns below half a turn."""
-    v = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine = math.sqrt(v @ v)
-    if sine < 1e-12:
-        return v
-    return v * (math.atan2(sine, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)) / sine)

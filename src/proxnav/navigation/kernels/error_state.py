@@ -1,11 +1,9 @@
 """From one state to another by an error vector, and back."""
 
-import math
-
 import numpy as np
 
 from proxnav.geometry.compiled.kernel import kernel
-from proxnav.geometry.compiled.rotations import conjugate, exp, multiply, skew
+from proxnav.geometry.compiled.rotations import conjugate, exp, log, multiply, skew
 from proxnav.navigation.layout import E, X
 
 
@@ -25,8 +23,8 @@ def relative_error(x, y):
     """The error vector that leads from state x to state y."""
     e = np.empty(len(x) - 2)
     e[E.motion] = y[X.motion] - x[X.motion]
-    e[E.attitude_cam] = 2.0 * _half_log(x[X.q_eci_cam], y[X.q_eci_cam])
-    e[E.attitude] = 2.0 * _half_log(x[X.q_cam_target], y[X.q_cam_target])
+    e[E.attitude_cam] = log(multiply(conjugate(x[X.q_eci_cam]), y[X.q_eci_cam]))
+    e[E.attitude] = log(multiply(conjugate(x[X.q_cam_target]), y[X.q_cam_target]))
     e[E.vectors] = y[X.vectors] - x[X.vectors]
     return e
 
@@ -40,12 +38,3 @@ def reset(P, e):
         out[block, :] = G @ np.ascontiguousarray(out[block, :])
         out[:, block] = np.ascontiguousarray(out[:, block]) @ G.T
     return 0.5 * (out + out.T)
-
-
-@kernel
-def _half_log(p, q):
-    step = multiply(conjugate(p), q)
-    sign = -1.0 if step[0] < 0.0 else 1.0
-    sine = math.sqrt(step[1] ** 2 + step[2] ** 2 + step[3] ** 2)
-    scale = 1.0 if sine < 1e-9 else math.atan2(sine, sign * step[0]) / sine
-    return sign * scale * step[1:]

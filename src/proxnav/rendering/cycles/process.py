@@ -23,7 +23,7 @@ class WorkerFailed(RuntimeError):
 
 
 @dataclass
-class Worker:
+class BlenderWorker:
     """A running Blender worker with its private folder."""
 
     process: subprocess.Popen[bytes]
@@ -36,7 +36,7 @@ class Worker:
     """Resident memory at its last answer."""
 
     @staticmethod
-    def start(command: list[str], timeout_s: float) -> "Worker":
+    def start(command: list[str], timeout_s: float) -> "BlenderWorker":
         """Starts the worker and waits until it speaks; WorkerDied shows what it printed when it does not."""
         pipe = subprocess.PIPE
         process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True)
@@ -44,7 +44,7 @@ class Worker:
         listener = threading.Thread(target=_drain, args=(_open(process.stderr), stderr), daemon=True)
         listener.start()
         folder = tempfile.TemporaryDirectory(prefix="proxnav-cycles-", ignore_cleanup_errors=True)
-        worker = Worker(process, folder, stderr, listener)
+        worker = BlenderWorker(process, folder, stderr, listener)
         try:
             worker._within(timeout_s, lambda: skip_to_magic(_open(process.stdout)))
         except WorkerDied:

@@ -16,7 +16,7 @@ from proxnav.rendering.cycles.camera import axes_towards, camera_matrix, to_blen
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.materials import paint_arrays
 from proxnav.rendering.cycles.mesh import mesh_arrays
-from proxnav.rendering.cycles.process import Worker, WorkerDied
+from proxnav.rendering.cycles.process import BlenderWorker, WorkerDied
 from proxnav.rendering.cycles.wire import Arrays, Message
 from proxnav.rendering.earth import background_image, environment_map
 from proxnav.rendering.windows import target_window
@@ -45,7 +45,7 @@ class CyclesRenderer:
         self.config = config or CyclesConfig()
         self._command = worker_command(find_blender())
         self._mesh = mesh_arrays(target)
-        self._worker: Worker | None = None
+        self._worker: BlenderWorker | None = None
         self._painted: TextureSpec | None = None
         self._drawn = 0
 
@@ -93,7 +93,7 @@ class CyclesRenderer:
                 return results
         raise RuntimeError(f"frame {scene.index} failed {len(deaths)} times: {deaths[-1]}")
 
-    def _ready(self, texture: TextureSpec) -> Worker:
+    def _ready(self, texture: TextureSpec) -> BlenderWorker:
         """A worker with the target loaded and painted."""
         if self._worker is None:
             self._worker = self._start()
@@ -106,9 +106,9 @@ class CyclesRenderer:
             self._painted = texture
         return self._worker
 
-    def _start(self) -> Worker:
+    def _start(self) -> BlenderWorker:
         try:
-            return Worker.start(self._command, _START_S)
+            return BlenderWorker.start(self._command, _START_S)
         except (WorkerDied, OSError) as error:
             last = str(error).strip().splitlines()[-1]
             raise InputError(
