@@ -141,7 +141,7 @@ def _records(path: Path) -> None:
 
 
 def _records_beside(folder: Path) -> None:
-    from proxnav.datasets.sensor_records.files import TABLES
+    from proxnav.datasets.sensor_records.tables import TABLES
 
     (folder / "records.json").write_text('{"version": 1, "epoch_utc": "2024-11-01T00:00:00Z"}')
     rows = {"ephemeris": "0,7e6,0,0,0,7500,0\n10,7e6,75000,0,0,7500,0\n", "poses": "1,1,1,0,0,0,0,0,9" + ",1" * 21}

@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 
 from navigation.flights import CAMERA, SENSING, fly, points
-from proxnav.benchmarks.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
+from proxnav.benchmarks.error_memory import (
+    KeypointResiduals,
+    PoseResidual,
+    error_memory,
+    least_squares_pose,
+    pose_memory,
+)
 from proxnav.cli.main import main
 from proxnav.datasets.sensor_records.files import read_records, write_records
 from proxnav.errors import InputError
@@ -116,7 +122,7 @@ def test_pose_errors_have_the_shares_and_the_memory_that_were_asked_for(lasting:
     assert abs(found["correlation_with_keypoint_poses"]) < 0.3  # drawn apart
 
 
-def pose_errors(truth: Truth, records: SensorRecords, seed: int) -> list[PoseError]:
+def pose_errors(truth: Truth, records: SensorRecords, seed: int) -> list[PoseResidual]:
     """Of every pose, beside the least-squares pose of its keypoints."""
     data, keypoints = records.poses, records.keypoints
     assert data is not None
@@ -129,18 +135,18 @@ def pose_errors(truth: Truth, records: SensorRecords, seed: int) -> list[PoseErr
         A[3:, 3:] = quaternion.to_matrix(truth.q_cam_target[j]).T
         step, H = least_squares_pose(frame_errors(truth, keypoints, i, seed))
         cov = A @ data.covariance[i] @ A.T
-        found.append(PoseError(t + 1e5 * seed, 30.0, error, cov, 2.0, A @ step, A @ np.linalg.inv(H) @ A.T))
+        found.append(PoseResidual(t + 1e5 * seed, 30.0, error, cov, 2.0, A @ step, A @ np.linalg.inv(H) @ A.T))
     return found
 
 
-def frame_errors(truth: Truth, data: KeypointData, i: int, seed: int) -> FrameErrors:
+def frame_errors(truth: Truth, data: KeypointData, i: int, seed: int) -> KeypointResiduals:
     j = round(float(data.t[i]) / truth.step_s)
     turned = points() @ quaternion.to_matrix(truth.q_cam_target[j]).T
     cam = turned + truth.t_cam_target_m[j]
     J_pi = CAMERA.projection_jacobian(cam)
     J = np.concatenate([J_pi, -J_pi @ so3.skew(turned)], axis=-1)
     error = data.pixels[i] - CAMERA.project(cam)
-    return FrameErrors(data.t[i] + 1e5 * seed, 30.0, error, data.covariances_px2[i], J)
+    return KeypointResiduals(data.t[i] + 1e5 * seed, 30.0, error, data.covariances_px2[i], J)
 
 
 def test_the_same_seed_gives_the_same_records_and_a_missing_sensor_changes_no_other() -> None:

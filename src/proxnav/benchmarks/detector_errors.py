@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.benchmarks.error_memory import FrameErrors, PoseError, error_memory, least_squares_pose, pose_memory
+from proxnav.benchmarks.error_memory import (
+    KeypointResiduals,
+    PoseResidual,
+    error_memory,
+    least_squares_pose,
+    pose_memory,
+)
 from proxnav.cluster.jobs import POOL, run_anywhere
 from proxnav.cluster.progress import Progress, silent
 from proxnav.errors import InputError
@@ -119,14 +125,14 @@ def _read(path: Path) -> dict[float, Line]:
     return {line["t"]: line for line in lines if line["status"] != "ok" or "pose_error" in line}
 
 
-def _frame_errors(scene: SceneSpec, line: Line, points_m: Points) -> FrameErrors:
+def _frame_errors(scene: SceneSpec, line: Line, points_m: Points) -> KeypointResiduals:
     errors, covariances = np.array(line["error_px"], np.float64), np.array(line["cov_px2"], np.float64)
     found = np.isfinite(errors[:, 0])
     J = pose_jacobian(scene.T_cam_target, points_m, scene.camera)
-    return FrameErrors(scene.t, line["range_m"], errors[found], covariances[found], J[found])
+    return KeypointResiduals(scene.t, line["range_m"], errors[found], covariances[found], J[found])
 
 
-def _pose_error(scene: SceneSpec, line: Line, points_m: Points) -> PoseError:
+def _pose_error(scene: SceneSpec, line: Line, points_m: Points) -> PoseResidual:
     """The pose of a frame, its turn in the target's axes, in which it lasts while the camera turns."""
     A = np.eye(6)
     A[3:, 3:] = scene.T_cam_target.R.T
@@ -135,7 +141,7 @@ def _pose_error(scene: SceneSpec, line: Line, points_m: Points) -> PoseError:
     of_one_px = np.linalg.inv(np.einsum("kai,kaj->ij", J, J))
     volumes = np.linalg.slogdet(covariance)[1] - np.linalg.slogdet(of_one_px)[1]
     step, information = least_squares_pose(_frame_errors(scene, line, points_m))
-    return PoseError(
+    return PoseResidual(
         t=scene.t,
         range_m=line["range_m"],
         error=A @ np.array(line["pose_error"]),

@@ -18,41 +18,44 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
+from proxnav.geometry.perturbation import ROTATION, TRANSLATION
+
 LAGS_S = (0.5, 1.5, 3.5, 6.0, 12.0, 20.0, 30.0, 45.0, 60.0, 90.0, 130.0, 180.0, 250.0, 350.0, 500.0, 700.0)
 """Edges of the bins of time between two frames."""
-_WRONG = float(chi2.ppf(0.9999, 6))
+_POSE_DOF = 6
+_WRONG = float(chi2.ppf(0.9999, _POSE_DOF))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FrameErrors:
-    """One frame's keypoints beside the truth."""
+class KeypointResiduals:
+    """One frame's keypoints, measured less true."""
 
     t: float
     range_m: float
     errors_px: Float[np.ndarray, "k 2"]
     covariances_px2: Float[np.ndarray, "k 2 2"]
-    """As claimed."""
+    """Covariances that the detector claims."""
     jacobian: Float[np.ndarray, "k 2 6"]
     """Pixels by (dt, dr) of the pose in camera axes, at the truth."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PoseError:
-    """One frame's pose beside the truth: (dt [m] in camera axes, dr [rad] in target axes)."""
+class PoseResidual:
+    """One frame's pose, measured less true: (dt [m] in camera axes, dr [rad] in target axes)."""
 
     t: float
     range_m: float
     error: Float[np.ndarray, "6"]
     covariance: Float[np.ndarray, "6 6"]
-    """As claimed."""
+    """Covariance that the estimator claims."""
     equivalent_px: float
     """Keypoints with this deviation each would leave a pose covariance of the same volume."""
     keypoint_error: Float[np.ndarray, "6"]
-    """Of the least-squares pose of the same frame's keypoints."""
+    """Error of the least-squares pose of the same frame's keypoints."""
     keypoint_covariance: Float[np.ndarray, "6 6"]
 
 
-def pose_memory(frames: Sequence[PoseError], fx: float) -> dict[str, Any]:
+def pose_memory(frames: Sequence[PoseResidual], fx: float) -> dict[str, Any]:
     """Shares and time constant of poses, as `error_memory` of keypoints; wrong poses are counted and left out."""
     whole = np.array([_whitened(frame.error, frame.covariance) for frame in frames])
     right = np.flatnonzero(np.sum(whole**2, axis=1) <= _WRONG).tolist()
@@ -67,13 +70,14 @@ def pose_memory(frames: Sequence[PoseError], fx: float) -> dict[str, Any]:
         "variance_of_claimed": variance, "median_over_frames": float(np.median(np.mean(whole[right] ** 2, axis=1))),
         "variance_of_claimed_by_axis": np.mean(whole[right] ** 2, axis=0).tolist(),
         "claimed_sigma_px": sigma_px, "claimed_sigma_m": sigma_m,
-        "rms_position_m": _rms_norm(error[:, :3]), "rms_position_share_of_range": _rms_norm(error[:, :3] / r[:, None]),
-        "rms_attitude_deg": float(np.rad2deg(_rms_norm(error[:, 3:]))), "correlation_of_errors": curve,
+        "rms_position_m": _rms_norm(error[:, TRANSLATION]),
+        "rms_position_share_of_range": _rms_norm(error[:, TRANSLATION] / r[:, None]),
+        "rms_attitude_deg": float(np.rad2deg(_rms_norm(error[:, ROTATION]))), "correlation_of_errors": curve,
         **_beside_keypoints([frames[i] for i in right]),
     }  # fmt: skip
 
 
-def _beside_keypoints(frames: Sequence[PoseError]) -> dict[str, float]:
+def _beside_keypoints(frames: Sequence[PoseResidual]) -> dict[str, float]:
     """How much finer poses are than those of the keypoints, and what their errors have in common.
 
     With a correlation above the root of the ratio the keypoint poses hold nothing that would make the others better.
@@ -89,7 +93,7 @@ def _beside_keypoints(frames: Sequence[PoseError]) -> dict[str, float]:
 
 
 def _whitened(error: Float[np.ndarray, "6"], covariance: Float[np.ndarray, "6 6"]) -> Float[np.ndarray, "6"]:
-    """In units of the claimed deviation."""
+    """The error in units of its claimed deviation."""
     return np.linalg.cholesky(np.linalg.inv(covariance)).T @ error
 
 
@@ -97,7 +101,7 @@ def _rms_norm(rows: Float[np.ndarray, "n 3"]) -> float:
     return float(np.sqrt(np.mean(np.sum(rows**2, axis=1))))
 
 
-def error_memory(frames: Sequence[FrameErrors], fx: float) -> dict[str, Any]:
+def error_memory(frames: Sequence[KeypointResiduals], fx: float) -> dict[str, Any]:
     """Shares, time constant, claimed deviation by range, and the correlations that they were fitted to.
 
     Frames whose pose is off by more than one honest frame in 10 000 would be are counted and left out: they are for the
@@ -107,7 +111,7 @@ def error_memory(frames: Sequence[FrameErrors], fx: float) -> dict[str, Any]:
     right = [i for i, (pose, _) in enumerate(parts) if pose @ pose <= _WRONG]
     t = np.array([frames[i].t for i in right])
     pose, points = np.array([parts[i][0] for i in right]), np.array([parts[i][1] for i in right])
-    dof = points[0].size - 6
+    dof = points[0].size - _POSE_DOF
     own = float(np.mean(np.sum(points**2, axis=(1, 2))) / dof)
     whole = float(np.mean(pose**2))
     by_pose, by_point = _correlations(t, pose), _correlations(t, points.reshape(len(t), -1))
@@ -125,14 +129,14 @@ def error_memory(frames: Sequence[FrameErrors], fx: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def least_squares_pose(frame: FrameErrors) -> tuple[Float[np.ndarray, "6"], Float[np.ndarray, "6 6"]]:
+def least_squares_pose(frame: KeypointResiduals) -> tuple[Float[np.ndarray, "6"], Float[np.ndarray, "6 6"]]:
     """(error (dt, dr) in camera axes, information) of the weighted least-squares pose of a frame's keypoints."""
     W, J = np.linalg.inv(frame.covariances_px2), frame.jacobian
     H = np.einsum("kai,kab,kbj->ij", J, W, J)
     return np.linalg.solve(H, np.einsum("kai,kab,kb->i", J, W, frame.errors_px)), H
 
 
-def _split(frame: FrameErrors) -> tuple[Float[np.ndarray, "6"], Float[np.ndarray, "k 2"]]:
+def _split(frame: KeypointResiduals) -> tuple[Float[np.ndarray, "6"], Float[np.ndarray, "k 2"]]:
     """(pose part in units of its claimed deviation, what no pose explains in units of the claimed one)."""
     step, H = least_squares_pose(frame)
     left = frame.errors_px - np.einsum("kai,i->ka", frame.jacobian, step)
@@ -158,7 +162,7 @@ def _fit(*curves: list[tuple[float, float, int]]) -> tuple[float, list[float]]:
     """(tau, part that lasts by curve): keep * exp(-lag / tau) through all of them."""
     lags, found = [np.array(c)[:, 0] for c in curves], [np.array(c)[:, 1] for c in curves]
 
-    def residuals(x: np.ndarray) -> np.ndarray:
+    def residuals(x: Float[np.ndarray, "n_parameters"]) -> Float[np.ndarray, "n_residuals"]:
         pairs = zip(x[1:], lags, found, strict=True)
         return np.concatenate([keep * np.exp(-lag / np.exp(x[0])) - value for keep, lag, value in pairs])
 

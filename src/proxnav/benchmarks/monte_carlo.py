@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.stats import chi2
 
 from proxnav.evaluation.navigation_errors import mean_nis, nav_errors
@@ -16,7 +17,7 @@ from proxnav.geometry import Camera, quaternion
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.filter_setup import setup_of
 from proxnav.navigation.navigator import run_filter
-from proxnav.records import NAV_STATUSES, SensorRecords, Trajectory
+from proxnav.records import NAV_ERRORS, NAV_STATUSES, SensorRecords, Trajectory
 from proxnav.targets.loading import load_target
 
 EVERY_S = 5.0
@@ -36,14 +37,15 @@ class Case:
 
 @dataclass(frozen=True)
 class RunResult:
-    """How it went, every `EVERY_S` seconds."""
+    """How it went, every `EVERY_S` seconds, as `NavErrors` has it."""
 
-    range_m: np.ndarray
-    errors: np.ndarray
-    sigmas: np.ndarray
-    nees: np.ndarray
-    status: np.ndarray
+    range_m: Float[np.ndarray, "n"]
+    errors: Float[np.ndarray, "n 12"]
+    sigmas: Float[np.ndarray, "n 12"]
+    nees: Float[np.ndarray, "n"]
+    status: Int[np.ndarray, "n"]
     nis: dict[str, tuple[float, int]]
+    """Mean normalised innovation per degree of freedom, and how many, by sensor."""
     single_position_m: float
     """Root mean square position error of the single frames' poses over the second half [m]."""
     single_attitude_rad: float
@@ -118,7 +120,7 @@ def judge_fault(results: Sequence[RunResult]) -> dict[str, Any]:
         inside += healthy
         says += not healthy and not silent
         beyond += not healthy and silent
-        peaks.append(float(np.nanmax(np.linalg.norm(r.errors[:, :3], axis=1))))
+        peaks.append(float(np.nanmax(np.linalg.norm(r.errors[:, NAV_ERRORS.position], axis=1))))
     whole = summarise(results)
     return {
         "runs": len(results), "end_inside": inside, "end_outside_and_said": says, "end_outside_unnoticed": beyond,
@@ -135,19 +137,20 @@ def _silent_outside(results: Sequence[RunResult]) -> float:
     return float((nees[tracking] > chi2.ppf(0.9999, 12)).mean())
 
 
-def _accuracy(errors: np.ndarray, ranges: np.ndarray) -> dict[str, Any]:
+def _accuracy(errors: Float[np.ndarray, "runs n 12"], ranges: Float[np.ndarray, "runs n"]) -> dict[str, Any]:
     """Root mean squares over the second half of the runs."""
-    position = np.linalg.norm(errors[..., :3], axis=-1)
+    position, velocity, turn = (
+        np.linalg.norm(errors[..., block], axis=-1)
+        for block in (NAV_ERRORS.position, NAV_ERRORS.velocity, NAV_ERRORS.attitude)
+    )
     near = ranges < 30.0
     return {
         "rms_position_m": _rms(position),
         "rms_position_share_of_range": _rms(position / ranges),
         "rms_position_inside_30_m": _rms(position[near]) if near.any() else None,
-        "rms_velocity_mps": _rms(np.linalg.norm(errors[..., 3:6], axis=-1)),
-        "rms_attitude_deg": float(np.rad2deg(_rms(np.linalg.norm(errors[..., 6:9], axis=-1)))),
-        "rms_attitude_inside_30_m_deg": (
-            float(np.rad2deg(_rms(np.linalg.norm(errors[..., 6:9], axis=-1)[near]))) if near.any() else None
-        ),
+        "rms_velocity_mps": _rms(velocity),
+        "rms_attitude_deg": float(np.rad2deg(_rms(turn))),
+        "rms_attitude_inside_30_m_deg": float(np.rad2deg(_rms(turn[near]))) if near.any() else None,
     }
 
 
@@ -180,5 +183,5 @@ def _single_frames(truth: Truth, records: SensorRecords) -> tuple[float, float]:
     return _rms(position), _rms(quaternion.angle_between(p.q_cam_target[late], truth.q_cam_target[k]))
 
 
-def _rms(values: Any) -> float:
+def _rms(values: Float[np.ndarray, "..."]) -> float:
     return float(np.sqrt(np.nanmean(np.square(values))))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from proxnav.evaluation.navigation_errors import NavErrors
+from proxnav.records import NAV_ERRORS
 
 
 def accuracy(errors: NavErrors) -> dict[str, Any]:
@@ -13,8 +14,9 @@ def accuracy(errors: NavErrors) -> dict[str, Any]:
     settled = errors.t >= 0.5 * (errors.t[0] + errors.t[-1])
     rms = np.sqrt(np.nanmean(errors.errors[settled] ** 2, axis=0))
     return {
-        "rms_position_m": rms[:3].tolist(), "rms_velocity_mps": rms[3:6].tolist(),
-        "rms_attitude_deg": np.rad2deg(rms[6:9]).tolist(), "mean_nees_of_12": float(np.nanmean(errors.nees)),
+        "rms_position_m": rms[NAV_ERRORS.position].tolist(), "rms_velocity_mps": rms[NAV_ERRORS.velocity].tolist(),
+        "rms_attitude_deg": np.rad2deg(rms[NAV_ERRORS.attitude]).tolist(),
+        "mean_nees_of_12": float(np.nanmean(errors.nees)),
         "inside_3_sigma": float(np.nanmean(errors.inside_3_sigma)),
     }  # fmt: skip
 

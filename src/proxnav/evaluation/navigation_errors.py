@@ -21,7 +21,7 @@ class NavErrors:
     range_m: Float[np.ndarray, "n"]
     """True distance from camera to target."""
     errors: Float[np.ndarray, "n 12"]
-    """Truth minus estimate, in the order of NAV_ERRORS."""
+    """Truth minus estimate, in the blocks of NAV_ERRORS."""
     sigmas: Float[np.ndarray, "n 12"]
     """Claimed standard deviations."""
     nees: Float[np.ndarray, "n"]

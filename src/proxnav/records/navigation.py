@@ -5,7 +5,7 @@ seconds since the run's epoch. Rows are in the order of arrival.
 """
 
 from dataclasses import dataclass, fields
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -17,8 +17,21 @@ NavStatus = Literal["waiting", "tracking", "coasting", "lost"]
 
 NAV_STATUSES: tuple[NavStatus, ...] = ("waiting", "tracking", "coasting", "lost")
 
-NAV_ERRORS = ("r", "v", "theta", "omega")
-"""Blocks of three of the solution's covariance: RIC position and velocity, attitude and rate in target axes."""
+
+class NavBlocks(NamedTuple):
+    """Blocks of the errors of a navigation solution, and of both axes of its covariance."""
+
+    position: slice
+    """RIC axes [m]."""
+    velocity: slice
+    """RIC axes [m/s]."""
+    attitude: slice
+    """Target axes [rad]."""
+    rate: slice
+    """Target axes [rad/s]."""
+
+
+NAV_ERRORS = NavBlocks(slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12))
 
 CHASER_ANTENNA_CAM_M = (0.0, -0.15, -0.1)
 """Where the chaser's GNSS antenna sits unless told otherwise, camera axes [m]."""
@@ -164,7 +177,7 @@ class NavState:
     gnss_bias_m: Float[np.ndarray, "3"]
     """Bias of the relative GNSS position, ECI axes."""
     covariance: Float[np.ndarray, "12 12"]
-    """Covariance of the errors in the order of NAV_ERRORS; attitude: q_true = q * exp(theta / 2), target axes."""
+    """Covariance of the errors, in the blocks of NAV_ERRORS; attitude: q_true = q * exp(theta / 2), target axes."""
     pose_covariance: Float[np.ndarray, "6 6"]
     """Covariance of (dt, dr) of T_cam_target in camera axes, as PoseResult has it."""
 
