@@ -38,7 +38,7 @@ class Table:
         """Names of all columns in order."""
         return tuple(name for block in self.blocks for name in block)
 
-    def split(self, rows: Rows) -> list[Float[np.ndarray, "n"] | Rows]:
+    def split(self, rows: Rows) -> list[Float[np.ndarray, "n ..."]]:
         """The blocks, those of one column flat."""
         parts = np.split(rows, list(accumulate(len(block) for block in self.blocks))[:-1], axis=1)
         return [part[:, 0] if part.shape[1] == 1 else part for part in parts]
