@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from proxnav.benchmarks.dry_run import Estimate, duration, size
 from proxnav.cli.main import main
+from proxnav.cluster.forecast import Forecast, duration, size
 
 
-def test_estimates_read_well() -> None:
-    assert Estimate(120.0, 2.001e9).text("it") == "dry run: it would take about 2.0 min and 2.0 GB of disk here"
+def test_a_forecast_reads_well() -> None:
+    assert Forecast(120.0, 2.001e9).text("it") == "dry run: it would take about 2.0 min and 2.0 GB of disk here"
     assert [duration(s) for s in (0.4, 99.0, 7300.0)] == ["0.4 s", "99 s", "2.0 h"]
     assert [size(b) for b in (10.0, 9.6e5, 1e9)] == ["0.0 kB", "960 kB", "1.0 GB"]
 

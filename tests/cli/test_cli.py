@@ -70,8 +70,9 @@ def test_the_overview_imports_nothing_heavy():
     assert done.stdout.strip().splitlines()[-1] == "[]"
 
 
-def test_estimating_never_loads_torch_nor_blender():
-    assert _loaded("import proxnav.estimator, proxnav.commands.estimate", ("torch", "bpy")) == []
+@pytest.mark.parametrize("command", ["demo", "render", "estimate", "benchmark_latency"])
+def test_what_runs_without_torch_never_loads_it_nor_blender(command):
+    assert _loaded(f"import proxnav.estimator, proxnav.commands.{command}", ("torch", "bpy")) == []
 
 
 def test_a_path_that_the_system_refuses_is_one_sentence(capsys, tmp_path):

@@ -8,7 +8,8 @@ import pytest
 
 from jobs import Same
 from proxnav.errors import InputError
-from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, sample_source
+from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob
+from proxnav.learning.drawn_stream import sample_source
 from proxnav.missions import load_mission
 
 CROPS = CropConfig(load_mission("observation-10-100m").training_mission, side=64, seed=11)

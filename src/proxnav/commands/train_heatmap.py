@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from proxnav.benchmarks.dry_run import training_dry_run
 from proxnav.detection.heatmap.train import TrainFinderConfig, TrainHeatmapConfig
+from proxnav.learning.dry_run import training_dry_run
 from proxnav.learning.heatmap_training import crop_training, finder_training
 
 

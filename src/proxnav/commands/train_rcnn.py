@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from proxnav.benchmarks.dry_run import training_dry_run
 from proxnav.cli.progress import progress
 from proxnav.detection.training.ranks import is_first_rank
+from proxnav.learning.dry_run import training_dry_run
 from proxnav.learning.rcnn_export import export_rcnn_model
 from proxnav.learning.rcnn_training import KeypointChoice, RcnnImages, RcnnRecipe, rcnn_training
 

@@ -71,7 +71,7 @@ class CropJob:
             rng = np.random.default_rng([config.seed, index, 1])
             pixels = scene.camera.project(scene.T_cam_target @ target.vertices_m)
             box = cut_at_edges(box_of_points(pixels), scene.camera)
-            return _draw(scene, _jittered(box, config, rng), config.side, target, renderer)
+            return _draw(scene, _jittered(box, rng), config.side, target, renderer)
 
         return make
 
@@ -118,7 +118,7 @@ def _scene(index: int, config: CropConfig) -> SceneSpec:
     return replace(scene, texture=texture)
 
 
-def _jittered(box: Box, config: CropConfig, rng: np.random.Generator) -> Crop:
+def _jittered(box: Box, rng: np.random.Generator) -> Crop:
     longer = max(box[2] - box[0], box[3] - box[1])
     shift = _SHIFT * longer * rng.uniform(-1.0, 1.0, size=2)
     return Crop.around(box + np.tile(shift, 2), margin=rng.uniform(*_MARGINS))

@@ -43,7 +43,7 @@ class ModelCard:
 
 
 def write_card(folder: Path, card: ModelCard) -> None:
-    """Writes the folder's model.json; what is at its default is left out."""
+    """Writes the folder's model.json."""
     content: dict[str, Any] = {
         "detector": card.detector,
         "target": card.target,
@@ -57,7 +57,7 @@ def write_card(folder: Path, card: ModelCard) -> None:
     if card.network is not None:
         content["network"] = {"n_keypoints": len(card.keypoint_names)} | asdict(card.network)
     if card.alignment is not None:
-        content["alignment"] = _changes(card.alignment)
+        content["alignment"] = {name: round(value, 3) for name, value in asdict(card.alignment).items()}
     write_json(folder / CARD, content, indent=1)
 
 
@@ -108,10 +108,3 @@ def _settings_json(settings: HeatmapSettings | DetectConfig) -> dict[str, Any]:
     if isinstance(settings, HeatmapSettings):
         return content
     return {"min_score": content["min_score"], "looks": passes, "calibration": content["calibration"]}
-
-
-def _changes(config: AlignConfig) -> dict[str, Any]:
-    """What differs from the defaults, to three decimals."""
-    values = asdict(config)
-    rounded = {name: round(value, 3) if isinstance(value, float) else value for name, value in values.items()}
-    return {name: value for name, value in rounded.items() if value != asdict(AlignConfig())[name]}
