@@ -44,17 +44,8 @@ def test_the_filter_tells_the_estimator_where_to_look(
 
 @needs_weights
 def test_a_flight_in_the_dark_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    argv = [
-        "simulate",
-        "--out",
-        str(tmp_path / "dark"),
-        "--camera",
-        "raycast",
-        "--start-s",
-        "6200",
-        "--duration-s",
-        "10",
-    ]
+    out = str(tmp_path / "dark")
+    argv = ["simulate", "--out", out, "--detector", "raycast", "--start-s", "6200", "--duration-s", "10"]
     assert main([*argv, "--truth.step-s", "0.5"]) == 1
     assert "choose a sunlit piece" in capsys.readouterr().err
     assert not (tmp_path / "dark").exists()

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Int, Shaped
 
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
@@ -100,7 +100,9 @@ def _hand_over(readings: list[Reading], navigator: Navigator, t: float) -> None:
         navigator.put(readings.pop(0))
 
 
-def _read(estimator: PoseEstimator, image: np.ndarray, camera: Camera, box: Box | None, t: float) -> _Found | None:
+def _read(
+    estimator: PoseEstimator, image: Shaped[np.ndarray, "h w"], camera: Camera, box: Box | None, t: float
+) -> _Found | None:
     """Keypoints and pose of one frame; None where the estimator has no pose."""
     keypoints, result = estimator.keypoints_and_pose(image, camera, box)
     pose = result.T_cam_target

@@ -41,10 +41,10 @@ def measure_speed(camera: Camera, target: str, repeats: int = 400) -> dict[str, 
             moved, spread, pixels, cov, points, index, R_eci_ric, lens, setup.shares, POINT_GATE, setup.frame_gates
         )
 
-    accepted = int(update()[3].sum())
+    _, _, _, used, _, _ = update()
     first, second = _times(predict, repeats), _times(update, repeats)
     return {
-        "keypoints": k, "accepted": accepted, "states": len(P), "predict_ms": float(np.median(first)),
+        "keypoints": k, "accepted": int(used.sum()), "states": len(P), "predict_ms": float(np.median(first)),
         "update_ms": float(np.median(second)), "both_median_ms": float(np.median(first) + np.median(second)),
         "both_best_ms": float(first.min() + second.min()),
     }  # fmt: skip

@@ -52,16 +52,16 @@ def sense(
     truth: Truth, target: Target, camera: Camera, config: SensingConfig, rng: np.random.Generator
 ) -> SensorRecords:
     """Readings of all sensors; each draws from a stream of its own, so that leaving one out changes no other."""
-    streams = rng.spawn(7)
-    keypoints = read_keypoints(truth, target, camera, config.detector, streams[0])
+    for_keypoints, for_ephemeris, for_gyro, for_forces, for_gnss, for_stars, for_poses = rng.spawn(7)
+    keypoints = read_keypoints(truth, target, camera, config.detector, for_keypoints)
     gnss = _GRADES.get(config.gnss)
     return SensorRecords(
         epoch_utc=truth.epoch_utc,
-        ephemeris=read_ephemeris(truth, streams[1]),
-        gyro=read_gyro(truth, config.gyro, streams[2]) if config.gyro else None,
-        accelerometer=read_accelerometer(truth, config.accelerometer, streams[3]) if config.accelerometer else None,
-        gnss=read_gnss(truth, gnss, streams[4]) if gnss else None,
-        star_tracker=read_star_tracker(truth, config.star_tracker, streams[5]),
+        ephemeris=read_ephemeris(truth, for_ephemeris),
+        gyro=read_gyro(truth, config.gyro, for_gyro) if config.gyro else None,
+        accelerometer=read_accelerometer(truth, config.accelerometer, for_forces) if config.accelerometer else None,
+        gnss=read_gnss(truth, gnss, for_gnss) if gnss else None,
+        star_tracker=read_star_tracker(truth, config.star_tracker, for_stars),
         keypoints=keypoints,
-        poses=read_poses(truth, keypoints, target, camera, config.detector, streams[6]),
+        poses=read_poses(truth, keypoints, target, camera, config.detector, for_poses),
     )

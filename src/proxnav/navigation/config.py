@@ -11,7 +11,7 @@ from proxnav.records.navigation import CHASER_ANTENNA_CAM_M, TARGET_ANTENNA_TARG
 from proxnav.records.scene import Triple
 
 CONTROL_DAMPING = 0.7
-"""Of a second-order attitude control loop, as it is designed: fast without much overshoot."""
+"""Damping of a second-order attitude control loop, as it is designed: fast without much overshoot."""
 
 
 @dataclass(frozen=True)

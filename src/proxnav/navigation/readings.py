@@ -12,7 +12,7 @@ from proxnav.navigation.layout import PoseCovariance
 SensorName = Literal["gyro", "accelerometer", "star_tracker", "gnss", "poses", "keypoints"]
 
 ORDER: tuple[SensorName, ...] = ("gyro", "accelerometer", "star_tracker", "gnss", "poses", "keypoints")
-"""Of readings taken at the same instant: first what moves the belief there, and a pose before its own keypoints."""
+"""Order of readings taken at one instant: first what moves the belief there, and a pose before its own keypoints."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
