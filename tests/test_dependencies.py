@@ -23,16 +23,18 @@ def names(requirements: list[str]) -> set[str]:
 
 def imported(folder: Path) -> set[str]:
     """Distributions whose modules the source files of a folder import, anywhere in them."""
-    modules = set()
-    for path in folder.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Import):
-                modules |= {name.name.split(".")[0] for name in node.names}
-            elif isinstance(node, ast.ImportFrom) and node.module:
-                modules.add(node.module.split(".")[0])
+    modules = {name for path in folder.rglob("*.py") for name in modules_of(path)}
     known = packages_distributions()
     third = modules - sys.stdlib_module_names - BLENDERS_OWN - {"proxnav"}
     return {name.lower().replace("_", "-") for module in third for name in known.get(module, [module])}
+
+
+def modules_of(path: Path) -> set[str]:
+    """Top names of what a file imports, but for files beside it, which Blender's worker takes by their bare names."""
+    nodes = list(ast.walk(ast.parse(path.read_text())))
+    plain = {name.name for node in nodes if isinstance(node, ast.Import) for name in node.names}
+    froms = {node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module}
+    return {name.split(".")[0] for name in plain | froms if not path.with_name(f"{name}.py").is_file()}
 
 
 def test_the_package_imports_every_dependency_of_an_ordinary_installation() -> None:

@@ -54,7 +54,7 @@ FLIGHTS = {
     "approach": ["--preset approach-100-10m --duration-s 900 --seed 2"],
     "hold": ["--preset hold-30m --duration-s 600 --seed 3"],
     "closed": [f"--preset spiral-10-100m --start-s 4600 --duration-s 20 --seed 4 {camera}"
-               for camera in ("--camera raycast", "--images raycast")],
+               for camera in ("--camera raycast", "--detector raycast")],
 }  # fmt: skip
 """Spellings of the same flight, of which a tree knows one."""
 FILTERS = {
