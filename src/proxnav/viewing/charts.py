@@ -58,7 +58,7 @@ class Line:
     """Class in the style sheet: line, bound or error."""
 
 
-def linear_axis(label: str, values: Sequence[float], from_zero: bool = False) -> Axis:
+def linear_axis(label: str, values: Sequence[float | int], from_zero: bool = False) -> Axis:
     """A scale that holds all finite values, with a little room."""
     finite = [value for value in values if np.isfinite(value)] or [0.0, 1.0]
     low, high = (0.0 if from_zero else min(finite)), max(finite)

@@ -54,7 +54,9 @@ def caption(canvas: Canvas, lines: list[str]) -> Canvas:
     return canvas
 
 
-def contact_sheet(images: list[Image], columns: int = 4, side: int = 384) -> Canvas:
+def contact_sheet(
+    images: list[Image], columns: int = 4, side: int = 384
+) -> UInt8[np.ndarray, "sheet_height sheet_width 3"]:
     """Images as one RGB sheet of square tiles."""
     tiles = [cv2.resize(rgb_8_bit(image), (side, side), interpolation=cv2.INTER_AREA) for image in images]
     blank = np.zeros_like(tiles[0])

@@ -28,7 +28,7 @@ class Range:
 
 def check_table(
     path: str, columns: Sequence[str], rows: Rows, ranges: Mapping[str, Range]
-) -> tuple[Rows, dict[str, int]]:
+) -> tuple[Float[np.ndarray, "n_kept n_columns"], dict[str, int]]:
     """Rows that can be, and how many were left out for which reason; InputError when the whole file cannot be."""
     finite = np.isfinite(rows).all(axis=1)
     reasons = {"not finite": int((~finite).sum())}
