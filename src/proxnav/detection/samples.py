@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
-from jaxtyping import Float, Int, Shaped, UInt8
+from jaxtyping import Bool, Float, Num, Shaped
 
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import frozen
-from proxnav.geometry.types import Box, Mask
+from proxnav.geometry.types import Box
 
 _log = logging.getLogger(__name__)
 
@@ -22,15 +22,15 @@ MAX_UNREADABLE_SHARE = 0.2
 class TrainingSample:
     """One labelled image; keypoints follow the target's list, pixels have the corner origin."""
 
-    image: UInt8[np.ndarray, "height width *rgb"]
-    """Grey, or three channels."""
+    image: Shaped[np.ndarray, "..."]
+    """(h, w) or (h, w, 3) uint8."""
     keypoints_px: Float[np.ndarray, "n_keypoints 2"]
     """Keypoints [px]; NaN where the point has no image."""
-    visibility: Int[np.ndarray, "n_keypoints"]
+    visibility: Num[np.ndarray, "n_keypoints"]
     """0 outside the image, 1 hidden, 2 visible (COCO)."""
     box_xyxy: Box
     """Outer edges of the target [px]; NaN when the image shows none."""
-    mask: Mask | None = None
+    mask: Bool[np.ndarray, "mask_height mask_width"] | None = None
     """Pixels of the target."""
 
     def __post_init__(self) -> None:
