@@ -15,8 +15,6 @@ WITHOUT_CODE = {"basemap-data"}
 BROUGHT = {"torch", "markupsafe", "mcap", "python-dateutil"}
 """By torchvision, jinja2, mcap-ros2-support and s3fs, which choose their versions."""
 BLENDERS_OWN = {"bpy", "mathutils", "gpu"}
-BESIDE = {"wire"}
-"""The file beside the Blender worker, which runs without the package."""
 
 
 def names(requirements: list[str]) -> set[str]:
@@ -27,7 +25,7 @@ def imported(folder: Path) -> set[str]:
     """Distributions whose modules the source files of a folder import, anywhere in them."""
     modules = {name for path in folder.rglob("*.py") for name in modules_of(path)}
     known = packages_distributions()
-    third = modules - sys.stdlib_module_names - BLENDERS_OWN - BESIDE - {"proxnav"}
+    third = modules - sys.stdlib_module_names - BLENDERS_OWN - {"proxnav"}
     return {name.lower().replace("_", "-") for module in third for name in known.get(module, [module])}
 
 

@@ -180,7 +180,8 @@ def _single_frames(truth: Truth, records: SensorRecords) -> tuple[float, float]:
     late = p.t > 0.5 * (truth.t[0] + truth.t[-1])
     k = np.round((p.t[late] - truth.t[0]) / truth.step_s).astype(int)
     position = np.linalg.norm(p.t_cam_target_m[late] - truth.t_cam_target_m[k], axis=1)
-    return _rms(position), _rms(quaternion.angle_between(p.q_cam_target[late], truth.q_cam_target[k]))
+    turn = np.asarray(quaternion.angle_between(p.q_cam_target[late], truth.q_cam_target[k]))
+    return _rms(position), _rms(turn)
 
 
 def _rms(values: Float[np.ndarray, "..."]) -> float:

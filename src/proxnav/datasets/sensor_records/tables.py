@@ -101,8 +101,8 @@ def records_of(epoch_utc: str, rows: Mapping[str, Rows]) -> SensorRecords:
     if "keypoints" in parts:
         data["keypoints"] = _keypoints(*parts["keypoints"])
     if "poses" in parts:
-        *simple, upper = parts["poses"]
-        data["poses"] = PoseData(*simple, _symmetric(upper))
+        t, received, q, position, upper = parts["poses"]
+        data["poses"] = PoseData(t, received, q, position, _symmetric(upper))
     return SensorRecords(epoch_utc, **data)
 
 
