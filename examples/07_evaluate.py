@@ -7,9 +7,9 @@ import numpy as np
 import proxnav as pn
 from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses, write_poses
 from proxnav.evaluation.consistency import consistency
+from proxnav.evaluation.error_tables import consistency_line, table1
 from proxnav.evaluation.pairing import pair
 from proxnav.evaluation.summary import summarise_frames
-from proxnav.evaluation.table import consistency_line, table1
 from proxnav.targets.loading import load_target
 from proxnav.trajectories import ShellConfig, random_shell
 from proxnav.viewing.plots import errors_by_range

@@ -52,7 +52,7 @@ def _orbit_beside(folder: Path) -> None:
 def _camera(path: Path) -> None:
     from proxnav.geometry import Camera
 
-    camera = Camera.from_speed_json(str(path))
+    camera = Camera.from_speed_json(path)
     camera.project(np.array([[0.1, 0.2, 5.0]]))
 
 
@@ -134,14 +134,14 @@ def _image(path: Path) -> None:
 
 
 def _records(path: Path) -> None:
-    from proxnav.datasets.sensor_records.files import read_records
+    from proxnav.datasets.sensor_records.record_files import read_records
     from proxnav.flight.truth_files import read_truth
 
     read_truth(path) if path.name == "truth.csv" else read_records(path.parent)
 
 
 def _records_beside(folder: Path) -> None:
-    from proxnav.datasets.sensor_records.tables import TABLES
+    from proxnav.datasets.sensor_records.record_tables import TABLES
 
     (folder / "records.json").write_text('{"version": 1, "epoch_utc": "2024-11-01T00:00:00Z"}')
     rows = {"ephemeris": "0,7e6,0,0,0,7500,0\n10,7e6,75000,0,0,7500,0\n", "poses": "1,1,1,0,0,0,0,0,9" + ",1" * 21}

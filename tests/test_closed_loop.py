@@ -7,7 +7,7 @@ import pytest
 
 from proxnav.cli.main import main
 from proxnav.closed_loop import ClosedLoopConfig, frame_times
-from proxnav.datasets.sensor_records.files import read_records
+from proxnav.datasets.sensor_records.record_files import read_records
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.models.loading import shipped_models

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from proxnav.estimator import PoseEstimator
-from proxnav.evaluation.table import STUDY
+from proxnav.evaluation.error_tables import STUDY
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry.pose_errors import pose_errors
 from proxnav.missions import load_mission

@@ -13,7 +13,7 @@ from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import POOL
 from proxnav.cluster.many_runs import NamedRun, files_of, run_many
 from proxnav.cluster.progress import Progress, silent
-from proxnav.datasets.sensor_records.files import write_records
+from proxnav.datasets.sensor_records.record_files import write_records
 from proxnav.flight.simulate import SensingConfig, SimulationConfig, sense, simulate
 from proxnav.flight.truth import Truth, TruthConfig, simulate_truth
 from proxnav.flight.truth_files import true_states, write_truth

@@ -11,7 +11,7 @@ from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import is_elsewhere
 from proxnav.cluster.many_runs import NamedRun, files_of, run_many
 from proxnav.cluster.progress import Progress, silent
-from proxnav.datasets.sensor_records.files import read_records
+from proxnav.datasets.sensor_records.record_files import read_records
 from proxnav.evaluation.flight_accuracy import accuracy, accuracy_line, mean_accuracy
 from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors, outcomes
 from proxnav.evaluation.solution_files import solution_columns
@@ -75,7 +75,7 @@ def flights_in(folder: Path) -> list[Path]:
 
 def solve_flight(records: Path, how: SolutionOptions, out: Path, progress: Progress = silent) -> FlightSolution:
     """Filters the records and writes the solution into `out`, summary.json last."""
-    camera = how.camera or Camera.from_speed_json(str(records / "camera.json"))
+    camera = how.camera or Camera.from_speed_json(records / "camera.json")
     read = read_records(records)
     setup = setup_of(read.records, how.keypoints_m, camera, how.filter)
     frames = read.records.keypoints or read.records.poses

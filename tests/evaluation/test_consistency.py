@@ -6,8 +6,8 @@ from scipy.stats import chi2
 from tests.evaluation.records import disturbed, truth_along
 
 from proxnav.evaluation.consistency import consistency, efficiency_by_range
+from proxnav.evaluation.error_tables import consistency_line
 from proxnav.evaluation.pairing import pair
-from proxnav.evaluation.table import consistency_line
 from proxnav.geometry import Pose, so3
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference

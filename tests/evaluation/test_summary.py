@@ -8,10 +8,10 @@ from tests.evaluation.records import disturbed, truth_along
 
 from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
+from proxnav.evaluation.error_tables import range_table, table1
 from proxnav.evaluation.metrics import metrics
 from proxnav.evaluation.pairing import pair
 from proxnav.evaluation.summary import by_range, mean_interval, summarise
-from proxnav.evaluation.table import range_table, table1
 from proxnav.geometry import Pose
 
 CONTRACT = (

@@ -23,7 +23,7 @@ def test_a_camera_written_is_the_camera_read(tmp_path):
 
 def test_the_sample_of_speed_plus_reads_and_holds_numbers_only(shared_data):
     path = shared_data / "speedplus" / "camera.json"
-    camera = Camera.from_speed_json(str(path))
+    camera = Camera.from_speed_json(path)
     assert (camera.width, camera.height, camera.cx, camera.cy) == (1920, 1200, 960.0, 600.0)
     assert camera.fx == 2988.5795163815555
     assert camera.distortion[0] == -0.22383016606510672

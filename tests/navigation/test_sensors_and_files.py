@@ -15,7 +15,7 @@ from proxnav.benchmarks.error_memory import (
     pose_memory,
 )
 from proxnav.cli.main import main
-from proxnav.datasets.sensor_records.files import read_records, write_records
+from proxnav.datasets.sensor_records.record_files import read_records, write_records
 from proxnav.errors import InputError
 from proxnav.flight.attitude_motion import WobbleConfig, wobble
 from proxnav.flight.sensors.gauss_markov import gauss_markov

@@ -13,7 +13,7 @@ from proxnav.geometry import Camera, quaternion
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import sun_visible_fraction
 from proxnav.records import SceneSpec, SensorSpec
-from proxnav.scenes import RandomSceneConfig, SunConfig, ViewConfig, random_scene
+from proxnav.scenes import RandomSceneConfig, SunConfig, ViewpointConfig, random_scene
 from proxnav.scenes.random_view import sees_earth
 
 CAMERA = Camera(1024, 1024, 1407.0, 1407.0, 512.0, 512.0, (-0.1, 0.05, 1e-4, -1e-4, 0.0))
@@ -55,19 +55,19 @@ def test_viewpoints_are_uniform_on_the_sphere():
 
 
 def test_the_target_stays_inside_except_for_the_partial_share():
-    config = RandomSceneConfig(view=ViewConfig(range_m=(30.0, 100.0), partial_share=0.0))
+    config = RandomSceneConfig(view=ViewpointConfig(range_m=(30.0, 100.0), partial_share=0.0))
     for scene in scenes(config, count=100):
         u, v = CAMERA.project(np.array(scene.t_cam_target_m))
         reach = 1407.0 * 5.0 / np.linalg.norm(scene.t_cam_target_m)
         assert min(u, v) - reach > -1.0
         assert max(u, v) + reach < 1025.0
-    cut = RandomSceneConfig(view=ViewConfig(range_m=(30.0, 100.0), partial_share=1.0))
+    cut = RandomSceneConfig(view=ViewpointConfig(range_m=(30.0, 100.0), partial_share=1.0))
     pixels = np.array([CAMERA.project(np.array(s.t_cam_target_m)) for s in scenes(cut, count=150)])
     assert (np.abs(pixels - 512.0) > 480.0).any(axis=1).mean() == pytest.approx(1 - (480 / 512) ** 2, abs=0.09)
 
 
 def test_limited_roll_keeps_the_zenith_up():
-    centred = ViewConfig(roll_limit_rad=0.2, partial_share=0.0, target_radius_m=1e3, least_offset=0.0)
+    centred = ViewpointConfig(roll_limit_rad=0.2, partial_share=0.0, target_radius_m=1e3, least_offset=0.0)
     rolls = []
     for scene in scenes(RandomSceneConfig(view=centred), count=150):
         right, down, _ = scene.T_cam_target.R @ nadir(scene)
@@ -151,4 +151,4 @@ def test_impossible_wishes_are_refused_in_one_sentence(monkeypatch):
     with pytest.raises(InputError, match="sum to 1 at most"):
         SunConfig(umbra_share=0.7, penumbra_share=0.7)
     with pytest.raises(InputError, match="0 < least <= most"):
-        ViewConfig(range_m=(100.0, 10.0))
+        ViewpointConfig(range_m=(100.0, 10.0))

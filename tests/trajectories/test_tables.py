@@ -9,8 +9,8 @@ from proxnav.geometry.epochs import parse_iso
 from proxnav.trajectories.readers.columns import understand
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.dates import parse_date, parse_duration
-from proxnav.trajectories.readers.table import read_csv, read_report
 from proxnav.trajectories.readers.tabular import histories
+from proxnav.trajectories.readers.text_table import read_csv, read_report
 
 EPOCH = parse_iso("2024-11-01T00:00:00Z")
 

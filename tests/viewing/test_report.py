@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
+from proxnav.evaluation.error_tables import STUDY as STUDY_OF_EVALUATION
 from proxnav.evaluation.run_folder import read_run
-from proxnav.evaluation.table import STUDY as STUDY_OF_EVALUATION
 from proxnav.storage.files import write_json
 from proxnav.viewing.report import STUDY, coverage, flattened, headline, report_html
 

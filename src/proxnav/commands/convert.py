@@ -172,7 +172,7 @@ def _checked_source(config: ConvertConfig) -> Path:
 
 def _options(config: ConvertConfig) -> tuple[Target | None, ReadOptions]:
     """(the target's mesh where one was named, what the user said about the source)."""
-    camera = None if config.camera is None else Camera.from_speed_json(str(config.camera))
+    camera = None if config.camera is None else Camera.from_speed_json(config.camera)
     target, points, names = _target(config.target)
     order, origin = config.quaternion_order, config.pixel_origin
     return target, ReadOptions(camera, points, names, order, origin, config.object_id)

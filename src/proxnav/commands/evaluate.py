@@ -25,10 +25,10 @@ def run(config: EvaluateConfig) -> None:
     from proxnav.datasets.formats import read_pose_records
     from proxnav.datasets.formats.same_images import named_as
     from proxnav.evaluation.consistency import consistency
+    from proxnav.evaluation.error_tables import consistency_line, range_table, table1
     from proxnav.evaluation.metrics import metrics
     from proxnav.evaluation.pairing import pair
     from proxnav.evaluation.summary import by_range, summarise_frames
-    from proxnav.evaluation.table import consistency_line, range_table, table1
 
     estimates, truth = read_pose_records(config.estimates), read_pose_records(config.truth)
     frames = pair(named_as(truth, estimates), truth)

@@ -51,7 +51,7 @@ def run(config: NavigateConfig) -> None:
         raise InputError("--truth is of one flight; each of several has its own truth.csv beside its records")
     if find_spec("pyarrow") is None:
         print("solution.parquet is not written: it needs pyarrow (pip install 'proxnav[parquet]')")
-    camera = None if config.camera is None else Camera.from_speed_json(str(config.camera))
+    camera = None if config.camera is None else Camera.from_speed_json(config.camera)
     keypoints_m, out = load_target(config.target).keypoints_m, config.out or config.records
     how = SolutionOptions(keypoints_m, camera, config.truth, config.step_s, config.smooth, config.filter)
     say_when_compiling("navigation")

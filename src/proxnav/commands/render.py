@@ -106,7 +106,7 @@ def scenes_of(config: RenderConfig) -> list[SceneSpec]:
 def _chosen(config: RenderConfig) -> Mission:
     """The mission with what the command line says otherwise."""
     mission = load_mission(config.preset)
-    camera = mission.camera if config.camera is None else Camera.from_speed_json(str(config.camera))
+    camera = mission.camera if config.camera is None else Camera.from_speed_json(config.camera)
     sensor = mission.sensor if config.sensor is None else sensor_by_name(config.sensor)
     if config.particles is not None:
         if not 0.0 <= config.particles < 1e6:

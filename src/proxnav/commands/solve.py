@@ -43,7 +43,7 @@ class SolveConfig:
 def run(config: SolveConfig) -> None:
     """Entry of `proxnav solve`."""
     check_new_file(config.out)
-    camera = Camera.from_speed_json(str(config.camera))
+    camera = Camera.from_speed_json(config.camera)
     points_m = target_points(config.target, config.subset)
     keypoints = read_keypoints(config.keypoints, config.pixel_origin)
     _check_counts(keypoints, points_m, config)

@@ -173,7 +173,7 @@ def unpack_shards(place: str | Path, out: Path) -> Dataset:
         write_atomic(out / "scenes.jsonl", "".join(line + "\n" for line in lines).encode())
     from proxnav.geometry import Camera
 
-    camera = Camera.from_speed_json(str(out / "camera.json"))
+    camera = Camera.from_speed_json(out / "camera.json")
     write_json(out / "annotations.json", coco.document(annotations, names, camera, index.keypoint_names))
     return Dataset(out)
 

@@ -7,11 +7,11 @@ from typing import Any
 from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.evaluation.consistency import Consistency, Efficiency, consistency, efficiency_by_range
+from proxnav.evaluation.error_tables import consistency_line, efficiency_table, range_table, table1
 from proxnav.evaluation.label_bounds import label_bound
 from proxnav.evaluation.metrics import metrics
 from proxnav.evaluation.pairing import PairedFrame, pair
 from proxnav.evaluation.summary import Summary, by_range, summarise_frames
-from proxnav.evaluation.table import consistency_line, efficiency_table, range_table, table1
 
 EFFICIENCY_EDGES_M = (10.0, 15.0, 25.0, 40.0, 60.0, 70.0, 90.0, 110.0)
 """Bins round 20, 50 and 80 m, and what lies between."""

@@ -16,7 +16,7 @@ NAME = "solution.csv"
 
 _POSITION, _ATTITUDE = vector_columns("r_ric", "m"), vector_columns("theta", "rad")
 _ERRORS = [*_POSITION, *vector_columns("v_ric", "mps"), *_ATTITUDE, *vector_columns("rate", "rad_s")]
-_UPPER = [(i, j) for i in range(12) for j in range(i, 12)]
+_UPPER = np.triu_indices(12)
 
 STATE_COLUMNS = [
     "t_s", *_POSITION, *vector_columns("v_ric", "mps"), *quaternion_columns("q_cam_target"),
@@ -24,7 +24,7 @@ STATE_COLUMNS = [
     *vector_columns("gyro_bias", "rad_s"), *vector_columns("gnss_bias", "m"),
 ]  # fmt: skip
 SIGMA_COLUMNS = [f"sigma_{name}" for name in _ERRORS]
-COVARIANCE_COLUMNS = [f"cov_{i}_{j}" for i, j in _UPPER]
+COVARIANCE_COLUMNS = [f"cov_{i}_{j}" for i, j in zip(*_UPPER, strict=True)]
 ERROR_COLUMNS = [f"error_{name}" for name in _ERRORS] + ["nees", "inside_3_sigma"]
 
 
@@ -45,7 +45,7 @@ def _row(state: NavState) -> Float[np.ndarray, "n_columns"]:
     P = state.covariance
     return np.concatenate(
         [[state.t], state.r_ric_m, state.v_ric_mps, quaternion.canonical(state.q_cam_target), state.t_cam_target_m,
-         state.rate_target, state.gyro_bias, state.gnss_bias_m, np.sqrt(np.diagonal(P)), [P[i, j] for i, j in _UPPER]]
+         state.rate_target, state.gyro_bias, state.gnss_bias_m, np.sqrt(np.diagonal(P)), P[_UPPER]]
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.datasets.sensor_records.files import read_columns
+from proxnav.datasets.sensor_records.record_files import read_columns
 from proxnav.errors import InputError
 from proxnav.flight.truth import Truth
 from proxnav.geometry import quaternion

@@ -5,6 +5,7 @@ Axes: x right, y down, z forward. Image: [0, width] x [0, height], the first pix
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -43,15 +44,11 @@ class Camera:
         object.__setattr__(self, "distortion", tuple(float(value) for value in self.distortion))
 
     @staticmethod
-    def from_speed_json(path: str) -> "Camera":
+    def from_speed_json(path: str | Path) -> "Camera":
         """The camera of a SPEED+ `camera.json` (focal length in metres, matrix in pixels)."""
         from proxnav.geometry.camera_files import read_speed_json
 
-        fields = read_speed_json(path)
-        try:
-            return Camera(**fields)
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
+        return read_speed_json(Path(path))
 
     @cached_property
     def K(self) -> Float[np.ndarray, "3 3"]:

@@ -12,7 +12,7 @@ from proxnav.geometry import Camera
 from proxnav.records import SensorSpec
 from proxnav.scenes.random_scene import RandomSceneConfig
 from proxnav.scenes.random_sun import SunConfig
-from proxnav.scenes.random_view import ViewConfig
+from proxnav.scenes.random_view import ViewpointConfig
 
 Span = tuple[float, float]
 """(least, most) of a uniform distribution."""
@@ -106,7 +106,7 @@ class Mission:
         view, light, looks = self.view, self.light, self.looks
         low, high = (math.radians(angle) for angle in light.phase_deg)
         return RandomSceneConfig(
-            view=ViewConfig(
+            view=ViewpointConfig(
                 range_m=view.range_m,
                 roll_limit_rad=math.pi if view.roll_deg == "any" else math.radians(view.roll_deg),
                 partial_share=view.partial,

@@ -1,8 +1,7 @@
 """The nouns that travel between the rooms; every stage takes and gives these and nothing else."""
 
 from proxnav.records.estimates import Keypoints, PoseResult
-from proxnav.records.frame import RenderedFrame, Window
-from proxnav.records.labels import HIDDEN, NOT_IN_IMAGE, VISIBLE, FrameLabel
+from proxnav.records.frame_label import HIDDEN, NOT_IN_IMAGE, VISIBLE, FrameLabel
 from proxnav.records.navigation import (
     NAV_ERRORS,
     NAV_STATUSES,
@@ -17,6 +16,7 @@ from proxnav.records.navigation import (
     SensorRecords,
     StarTrackerData,
 )
+from proxnav.records.rendered_frame import RenderedFrame, Window
 from proxnav.records.scene import EarthSpec, SceneSpec, SunSpec, TextureSpec
 from proxnav.records.sensor import ExposureSpec, SensorSpec
 from proxnav.records.trajectory import Trajectory

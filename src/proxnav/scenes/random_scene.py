@@ -17,7 +17,7 @@ from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.records import EarthSpec, ExposureSpec, SceneSpec, SensorSpec, SunSpec, TextureSpec
 from proxnav.scenes.plain import quadruple, triple
 from proxnav.scenes.random_sun import SunConfig, draw_light, draw_sun
-from proxnav.scenes.random_view import ViewConfig, draw_view, sees_earth
+from proxnav.scenes.random_view import ViewpointConfig, draw_view, sees_earth
 
 DrawSensor = Callable[[np.random.Generator], SensorSpec]
 
@@ -29,7 +29,7 @@ _MAX_TRIES = 2000
 class RandomSceneConfig:
     """Ranges that frames are drawn from; pairs are (least, most) of a uniform distribution."""
 
-    view: ViewConfig = field(default_factory=ViewConfig)
+    view: ViewpointConfig = field(default_factory=ViewpointConfig)
     sun: SunConfig = field(default_factory=SunConfig)
     altitude_m: float = 400e3
     """Above a sphere of Earth's mean radius."""

@@ -14,7 +14,7 @@ _FORWARD, _ZENITH = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0])  # in 
 
 
 @dataclass(frozen=True)
-class ViewConfig:
+class ViewpointConfig:
     """Viewpoints uniform on the sphere about the target."""
 
     range_m: tuple[float, float] = (10.0, 100.0)
@@ -34,7 +34,7 @@ class ViewConfig:
             raise InputError(f"range_m needs 0 < least <= most, found {self.range_m}")
 
 
-def draw_view(rng: np.random.Generator, config: ViewConfig, camera: Camera, q_target_lvlh: QuatWxyz) -> Pose:
+def draw_view(rng: np.random.Generator, config: ViewpointConfig, camera: Camera, q_target_lvlh: QuatWxyz) -> Pose:
     """T_cam_target of one viewpoint."""
     range_m = rng.uniform(*config.range_m)
     outward = unit(rng.normal(size=3))
@@ -56,7 +56,7 @@ def sees_earth(T_cam_target: Pose, nadir_target: Vector3, camera: Camera, dip_ra
     return bool((depression > np.sin(dip_rad)).any())
 
 
-def _draw_pixel(rng: np.random.Generator, config: ViewConfig, camera: Camera, range_m: float) -> Pixels:
+def _draw_pixel(rng: np.random.Generator, config: ViewpointConfig, camera: Camera, range_m: float) -> Pixels:
     """Where the target's origin appears."""
     half = 0.5 * np.array([camera.width, camera.height], dtype=np.float64)
     if rng.random() >= config.partial_share:

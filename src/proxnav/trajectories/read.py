@@ -20,7 +20,6 @@ from proxnav.trajectories.generators import time_grid
 from proxnav.trajectories.orbit import fly_orbit
 from proxnav.trajectories.readers.ccsds import read_aem, read_oem
 from proxnav.trajectories.readers.config import ReaderConfig
-from proxnav.trajectories.readers.frames import ORBITAL
 from proxnav.trajectories.readers.history import (
     AttitudeHistory,
     History,
@@ -29,11 +28,12 @@ from proxnav.trajectories.readers.history import (
     sample_orbit,
     span,
 )
+from proxnav.trajectories.readers.reference_frames import ORBITAL
 from proxnav.trajectories.readers.stk_attitude import read_stk_attitude
 from proxnav.trajectories.readers.stk_ephemeris import read_stk_ephemeris
-from proxnav.trajectories.readers.table import is_report, read_csv, read_report
 from proxnav.trajectories.readers.tabular import histories
 from proxnav.trajectories.readers.text import read_lines
+from proxnav.trajectories.readers.text_table import is_report, read_csv, read_report
 
 Kind = TypeVar("Kind", OrbitHistory, AttitudeHistory)
 Times = Float[np.ndarray, "n"]

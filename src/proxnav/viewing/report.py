@@ -15,12 +15,12 @@ import cv2
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from proxnav.evaluation.error_tables import HEADLINE, STUDY
 from proxnav.evaluation.pairing import PairedFrame, from_best_to_worst
 from proxnav.evaluation.run_folder import Picture, Run, read_run
-from proxnav.evaluation.table import HEADLINE, STUDY
 from proxnav.geometry.pose_errors import HALF_TURN_RAD
 from proxnav.images.codecs import encode_jpeg, read_image
-from proxnav.viewing.numbers import number
+from proxnav.viewing.number_text import number
 from proxnav.viewing.report_charts import calibration, phase_charts, range_charts
 from proxnav.viewing.report_filter import filter_section
 

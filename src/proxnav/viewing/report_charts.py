@@ -13,7 +13,7 @@ from proxnav.evaluation.pairing import PairedFrame
 from proxnav.evaluation.run_folder import Run
 from proxnav.geometry.pose_errors import HALF_TURN_RAD
 from proxnav.viewing.charts import Line, Mark, histogram, linear_axis, log_axis, running_median, scatter
-from proxnav.viewing.numbers import number
+from proxnav.viewing.number_text import number
 
 _AXES = ("x right [m]", "y down [m]", "z forward [m]", "about x [rad]", "about y [rad]", "about z [rad]")
 _DEG = 180.0 / math.pi

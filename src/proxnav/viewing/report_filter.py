@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from proxnav.evaluation.solution_files import Solution
 from proxnav.viewing.charts import Axis, Line, band_chart, linear_axis
-from proxnav.viewing.numbers import number
+from proxnav.viewing.number_text import number
 
 _NAMES = ("radial", "in-track", "cross-track", "about target x", "about target y", "about target z")
 _POINTS = 500  # of a line; more than a chart has pixels for

@@ -42,7 +42,7 @@ def test_shirt_labels_mean_what_speed_plus_intends_and_transposed_attitudes_do_n
     """X_cam = R(q) X_tango + r, q scalar first: all 11 points fall into every frame of ROE1, and the point of the body
     that moves along a smooth orbit is its centre, 0.16 m above the bottom face. Read as the transpose, none is."""
     records = list(read_poses(shared_data / "speedplus" / "shirt_roe1.json").values())
-    camera = Camera.from_speed_json(str(shared_data / "speedplus" / "camera.json"))
+    camera = Camera.from_speed_json(shared_data / "speedplus" / "camera.json")
     points = loadmat(shared_data / "speedplus" / "tangoPoints.mat")["tango3Dpoints"].T
     R = np.array([record.T_cam_target.R for record in records])
     t = np.array([record.T_cam_target.t_m for record in records])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxnav.records.frame import Window
+from proxnav.records.rendered_frame import Window
 from proxnav.rendering.earth import background_image, background_radiance, environment_map
 from proxnav.rendering.earth.background import equirectangular
 from proxnav.rendering.earth.surface import fresnel_water, glint

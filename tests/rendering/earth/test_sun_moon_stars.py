@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from proxnav.geometry import Camera
 from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import EarthSpec, SceneSpec, SunSpec
-from proxnav.records.frame import Window
+from proxnav.records.rendered_frame import Window
 from proxnav.rendering.earth import background_image, background_radiance, moon, stars, sun
 
 CAMERA = Camera(64, 64, 4000.0, 4000.0, 32.0, 32.0)

@@ -12,7 +12,7 @@ from proxnav.datasets.formats.bop import MM
 from proxnav.datasets.formats.bop_write import OBJECT_ID, image_ids
 from proxnav.datasets.formats.labels import LabelRecord, Labels
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
-from proxnav.datasets.formats.tables import check_width, numbers
+from proxnav.datasets.formats.row_numbers import check_width, numbers
 from proxnav.errors import InputError
 from proxnav.geometry import Pose
 from proxnav.storage.tables import read_rows, write_rows

@@ -13,7 +13,7 @@ from proxnav.datasets.formats.labels import LabelRecord, Labels, need_pose
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import WriteOptions
 from proxnav.datasets.formats.places import flat_names, place, training_splits, write_camera
-from proxnav.datasets.formats.tables import numbers
+from proxnav.datasets.formats.row_numbers import numbers
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
 from proxnav.geometry.types import Box

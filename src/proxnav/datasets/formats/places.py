@@ -34,7 +34,7 @@ def camera_above(path: Path, levels: int = 3) -> Camera | None:
     """The camera of the nearest SPEED+ camera.json in `path` (a folder) or the folders above it."""
     for folder in (path, *path.resolve().parents[:levels]):
         if _is_speed_camera(folder / "camera.json"):
-            return Camera.from_speed_json(str(folder / "camera.json"))
+            return Camera.from_speed_json(folder / "camera.json")
     return None
 
 

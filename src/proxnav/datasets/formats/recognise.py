@@ -7,8 +7,8 @@ import numpy as np
 from proxnav.datasets.formats.bop import scene_folders
 from proxnav.datasets.formats.bop_results import COLUMNS as BOP_COLUMNS
 from proxnav.datasets.formats.names import is_name
+from proxnav.datasets.formats.row_numbers import numbers, without_header
 from proxnav.datasets.formats.speed_trees import is_pose_list, pose_files
-from proxnav.datasets.formats.tables import numbers, without_header
 from proxnav.datasets.formats.urso import POSES
 from proxnav.errors import InputError
 from proxnav.storage.files import read_json

@@ -12,7 +12,7 @@ from proxnav.datasets.formats.labels import LabelRecord, Labels, need_pose
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, place, write_camera
-from proxnav.datasets.formats.tables import check_width, numbers, without_header
+from proxnav.datasets.formats.row_numbers import check_width, numbers, without_header
 from proxnav.geometry import quaternion
 from proxnav.storage.tables import read_rows, write_rows
 

@@ -23,7 +23,7 @@ from proxnav.datasets.formats.places import (
     training_splits,
     write_camera,
 )
-from proxnav.datasets.formats.tables import check_width, numbers, without_header
+from proxnav.datasets.formats.row_numbers import check_width, numbers, without_header
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.storage.tables import read_rows, write_rows

@@ -40,7 +40,7 @@ class Dataset:
     @cached_property
     def camera(self) -> Camera:
         """The camera of every image."""
-        return Camera.from_speed_json(str(self.folder / "camera.json"))
+        return Camera.from_speed_json(self.folder / "camera.json")
 
     @cached_property
     def _annotations(self) -> tuple[tuple[str, ...], list[FrameLabel]]:

@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from proxnav.errors import InputError
 from proxnav.geometry.epochs import Instant, parse_iso
-from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.history import AttitudeHistory, Method, OrbitHistory, Segment, Series
+from proxnav.trajectories.readers.reference_frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number, read_lines
 
 QuaternionOrder = Literal["wxyz", "xyzw"]

@@ -11,8 +11,8 @@ from proxnav.geometry import quaternion
 from proxnav.geometry.epochs import Instant
 from proxnav.geometry.pointing import continuous
 from proxnav.geometry.types import QuatWxyz, Vector3
-from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, q_eci_frame, state_to_eci
 from proxnav.trajectories.readers.polynomials import polynomials
+from proxnav.trajectories.readers.reference_frames import ORBITAL, ReferenceFrame, q_eci_frame, state_to_eci
 
 Method = Literal["lagrange", "hermite"]
 Series = Float[np.ndarray, "n"]

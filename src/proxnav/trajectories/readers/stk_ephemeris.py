@@ -7,8 +7,8 @@ from jaxtyping import Float
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_FLATTENING, geodetic_to_ecef
 from proxnav.geometry.types import Vector3
-from proxnav.trajectories.readers.frames import ReferenceFrame
 from proxnav.trajectories.readers.history import Method, OrbitHistory, Segment, Series, split
+from proxnav.trajectories.readers.reference_frames import ReferenceFrame
 from proxnav.trajectories.readers.stk_file import Row, StkFile, data_rows, read_stk, reference_frame, scenario_epoch
 from proxnav.trajectories.readers.text import check_times, fail, number, numbers
 from proxnav.trajectories.readers.units import LENGTH

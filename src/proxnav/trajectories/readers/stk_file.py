@@ -8,7 +8,7 @@ from pathlib import Path
 from proxnav.errors import InputError
 from proxnav.geometry.epochs import Instant
 from proxnav.trajectories.readers.dates import from_gmat_mjd, parse_date
-from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
+from proxnav.trajectories.readers.reference_frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.text import fail, number, read_lines
 
 _BANNER = re.compile(r"stk\.v\.\d+(\.\d+)*", re.IGNORECASE)

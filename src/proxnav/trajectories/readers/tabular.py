@@ -11,7 +11,6 @@ from proxnav.storage.tables import is_number
 from proxnav.trajectories.readers.columns import Column, understand
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.dates import from_julian_date, parse_date, parse_duration
-from proxnav.trajectories.readers.frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.history import (
     AttitudeHistory,
     History,
@@ -21,8 +20,9 @@ from proxnav.trajectories.readers.history import (
     rate_note,
     split,
 )
-from proxnav.trajectories.readers.table import Table
+from proxnav.trajectories.readers.reference_frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number
+from proxnav.trajectories.readers.text_table import TextTable
 from proxnav.trajectories.readers.units import LENGTH, TIME, speed
 
 _POSITION, _VELOCITY = ("x", "y", "z"), ("vx", "vy", "vz")
@@ -30,7 +30,7 @@ _RIC, _RIC_RATES = ("radial", "intrack", "crosstrack"), ("radialrate", "intrackr
 _DATE_FORMATS = ("utcg", "utcj", "utcjfour", "iso-ymd", "isoymd", "utc")
 
 
-def histories(table: Table, config: ReaderConfig) -> list[History]:
+def histories(table: TextTable, config: ReaderConfig) -> list[History]:
     """Orbits and attitudes of every object in the table."""
     columns = understand(table.headers)
     epoch, t = _times(table, columns, config)
@@ -52,7 +52,7 @@ def histories(table: Table, config: ReaderConfig) -> list[History]:
 
 
 def _orbit(
-    table: Table, config: ReaderConfig, name: str, epoch: Instant, t: Series, mine: dict[str, Column]
+    table: TextTable, config: ReaderConfig, name: str, epoch: Instant, t: Series, mine: dict[str, Column]
 ) -> OrbitHistory:
     relative = set(_RIC) <= set(mine)
     places, speeds = (_RIC, _RIC_RATES) if relative else (_POSITION, _VELOCITY)
@@ -68,7 +68,7 @@ def _orbit(
 
 
 def _attitude(
-    table: Table, config: ReaderConfig, name: str, epoch: Instant, t: Series, mine: dict[str, Column]
+    table: TextTable, config: ReaderConfig, name: str, epoch: Instant, t: Series, mine: dict[str, Column]
 ) -> AttitudeHistory:
     q = np.stack([_cells(table, mine[key]) for key in _quaternion_columns(table, config, mine)], axis=-1)
     check_unit_quaternions(q, [line for line, _ in table.rows], table.path)
@@ -83,7 +83,7 @@ def _attitude(
     return AttitudeHistory(name, table.path, epoch, _frame(table, config, mine), segments, note=note)
 
 
-def _quaternion_columns(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> tuple[str, ...]:
+def _quaternion_columns(table: TextTable, config: ReaderConfig, mine: dict[str, Column]) -> tuple[str, ...]:
     """Columns in the order w, x, y, z. Letters and Euler parameters say it; q1 to q4 do so in STK's reports only."""
     if {"qw", "qx", "qy", "qz"} <= set(mine):
         return ("qw", "qx", "qy", "qz")
@@ -98,7 +98,7 @@ def _quaternion_columns(table: Table, config: ReaderConfig, mine: dict[str, Colu
     return ("q1", "q2", "q3", "q4") if order == "wxyz" else ("q4", "q1", "q2", "q3")
 
 
-def _scaled(table: Table, column: Column, config: ReaderConfig, t: Series) -> Series:
+def _scaled(table: TextTable, column: Column, config: ReaderConfig, t: Series) -> Series:
     """A length or speed column in SI."""
     moving = column.meaning in _VELOCITY or column.meaning.endswith("rate")
     option, given = ("velocity_unit", config.velocity_unit) if moving else ("position_unit", config.position_unit)
@@ -115,7 +115,7 @@ def _scaled(table: Table, column: Column, config: ReaderConfig, t: Series) -> Se
     return factor * _cells(table, column)
 
 
-def _cells(table: Table, column: Column) -> Series:
+def _cells(table: TextTable, column: Column) -> Series:
     texts = [cells[column.index] for _, cells in table.rows]
     try:
         values = np.array(texts, dtype=np.float64)
@@ -127,7 +127,7 @@ def _cells(table: Table, column: Column) -> Series:
     return np.array([number(text, table.path, line, what) for text, (line, _) in zip(texts, table.rows, strict=True)])
 
 
-def _frame(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> ReferenceFrame:
+def _frame(table: TextTable, config: ReaderConfig, mine: dict[str, Column]) -> ReferenceFrame:
     """From the option, else the report's title, else the headers; Basilisk writes ECI into its headers."""
     said = [config.frame or "", *table.style.split(), *(c.header.split()[0] for c in mine.values() if c.header.split())]
     for name in said:
@@ -139,7 +139,7 @@ def _frame(table: Table, config: ReaderConfig, mine: dict[str, Column]) -> Refer
     raise InputError(f"{table.path}: the reference frame is not in the file; give frame, for example J2000 or Fixed")
 
 
-def _times(table: Table, columns: list[Column], config: ReaderConfig) -> tuple[Instant, Series]:
+def _times(table: TextTable, columns: list[Column], config: ReaderConfig) -> tuple[Instant, Series]:
     """(epoch, seconds past it): dates bring their epoch, elapsed times take the configured one."""
     named = [column for column in columns if column.meaning == "t"]
     column = named[0] if named else Column("time", 0, "t", "", "")
@@ -162,7 +162,7 @@ def _dated(moments: list[Instant]) -> tuple[Instant, Series]:
     return moments[0], np.array([moment - moments[0] for moment in moments])
 
 
-def _durations(table: Table, column: Column) -> Series:
+def _durations(table: TextTable, column: Column) -> Series:
     seconds = [parse_duration(cells[column.index]) for _, cells in table.rows]
     for (line, cells), value in zip(table.rows, seconds, strict=True):
         if value is None:
@@ -170,7 +170,7 @@ def _durations(table: Table, column: Column) -> Series:
     return np.array(seconds, dtype=np.float64)
 
 
-def _date(table: Table, line: int, text: str) -> Instant:
+def _date(table: TextTable, line: int, text: str) -> Instant:
     try:
         return parse_date(text)
     except InputError as error:

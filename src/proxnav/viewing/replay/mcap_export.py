@@ -17,7 +17,7 @@ from proxnav.geometry.types import Pixels
 from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.images.tones import as_8_bit
 from proxnav.storage.files import replacing
-from proxnav.viewing.replay.replay import Replay, Step
+from proxnav.viewing.replay.replay import Replay, ReplayStep
 from proxnav.viewing.replay.rerun_recording import JPEG_QUALITY, ellipses
 from proxnav.viewing.replay.ros2_messages import LAYOUTS, LINE_LOOP
 
@@ -56,7 +56,7 @@ def start_ns(replay: Replay) -> int:
     return round((parse_iso(replay.epoch_utc) - parse_iso("1970-01-01T00:00:00Z")) * 1e6) * 1000
 
 
-def messages(replay: Replay, step: Step, stamp_ns: int) -> dict[str, dict[str, Any]]:
+def messages(replay: Replay, step: ReplayStep, stamp_ns: int) -> dict[str, dict[str, Any]]:
     """What is said at one step, by topic."""
     header = {"stamp": _time(stamp_ns), "frame_id": "camera"}
     said: dict[str, dict[str, Any]] = {"/camera/camera_info": {"header": header} | camera_info(replay.camera)}
@@ -85,7 +85,7 @@ def camera_info(camera: Camera) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _annotations(replay: Replay, step: Step, stamp: dict[str, int]) -> dict[str, Any]:
+def _annotations(replay: Replay, step: ReplayStep, stamp: dict[str, int]) -> dict[str, Any]:
     """Corner-origin pixels, as Foxglove's annotations have them."""
     shown = step.truth
     true = np.zeros((0, 2)) if shown is None else replay.camera.project(shown.T_cam_target @ replay.keypoints_m)
@@ -102,7 +102,7 @@ def _annotations(replay: Replay, step: Step, stamp: dict[str, int]) -> dict[str,
     return {"circles": circles, "points": loops, "texts": [text]}
 
 
-def _transforms(step: Step, stamp: dict[str, int]) -> list[dict[str, Any]]:
+def _transforms(step: ReplayStep, stamp: dict[str, int]) -> list[dict[str, Any]]:
     best = step.truth or step.estimate
     frames: list[tuple[str, Pose]] = []
     if best is not None:

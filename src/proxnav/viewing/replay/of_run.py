@@ -20,7 +20,7 @@ from proxnav.storage.files import inside, read_json
 from proxnav.storage.tables import NumberTable, quaternion_columns, read_table, vector_columns
 from proxnav.targets import Target
 from proxnav.targets.loading import load_target
-from proxnav.viewing.replay.replay import Placement, Replay, Step, position_covariance
+from proxnav.viewing.replay.replay import Placement, Replay, ReplayStep, position_covariance
 
 CAMERA_AXES = ("right", "down", "forward", "about right", "about down", "about forward")
 FLIGHT_AXES = ("radial", "in-track", "cross-track", "about target x", "about target y", "about target z")
@@ -54,11 +54,13 @@ def _of_images(folder: Path, run: RunFrames, target: str | None) -> Replay:
     return Replay(title, "target", run.camera, run.keypoints_m, tuple(steps), CAMERA_AXES, run.epoch_utc, mesh)
 
 
-def _image_step(note: FrameNote, estimate: PoseRecord | None, truth: PoseRecord | None, images: Path | None) -> Step:
+def _image_step(
+    note: FrameNote, estimate: PoseRecord | None, truth: PoseRecord | None, images: Path | None
+) -> ReplayStep:
     T_est = None if estimate is None else estimate.T_cam_target
     T_true = None if truth is None else truth.T_cam_target
     covariance = None if estimate is None or T_est is None else estimate.covariance
-    return Step(
+    return ReplayStep(
         t=note.t,
         label=note.filename,
         status="missing" if estimate is None else estimate.status,
@@ -90,7 +92,7 @@ def _of_flight(folder: Path, target: str | None) -> Replay:
     seen = _keypoints(folder, solution.t, len(points))
     steps = [_flight_step(solution, k, q_ric_cam[k], truth[k], seen[k]) for k in range(len(solution.t))]
     epoch = str(read_json(folder / "records.json", "the epoch of the records").get("epoch_utc", ""))
-    camera = Camera.from_speed_json(str(folder / "camera.json"))
+    camera = Camera.from_speed_json(folder / "camera.json")
     return Replay(folder.resolve().name, "ric", camera, points, tuple(steps), FLIGHT_AXES, epoch, mesh)
 
 
@@ -100,9 +102,9 @@ def _flight_step(
     q_ric_cam: QuatWxyz,
     truth: Placement | None,
     seen: Seen | None,
-) -> Step:
+) -> ReplayStep:
     errors = solution.errors[k]
-    return Step(
+    return ReplayStep(
         t=float(solution.t[k]),
         label=f"t = {solution.t[k]:.1f} s",
         status=solution.status[k],

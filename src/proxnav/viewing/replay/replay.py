@@ -29,7 +29,7 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class ReplayStep:
     """One instant."""
 
     t: float
@@ -62,7 +62,7 @@ class Replay:
     camera: Camera
     keypoints_m: Points
     """Keypoints in the target frame."""
-    steps: tuple[Step, ...]
+    steps: tuple[ReplayStep, ...]
     axes: tuple[str, ...]
     """Six names for the components of the errors."""
     epoch_utc: str = ""

@@ -19,7 +19,7 @@ from proxnav.geometry.types import QuatWxyz
 from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.images.tones import as_8_bit
 from proxnav.storage.files import replacing
-from proxnav.viewing.replay.replay import Placement, Replay, Step
+from proxnav.viewing.replay.replay import Placement, Replay, ReplayStep
 
 TIMELINE = "t"
 _TRUE, _FOUND, _ESTIMATE, _QUIET = (90, 220, 90), (255, 200, 40), (255, 140, 40), (150, 150, 150)
@@ -84,7 +84,7 @@ def _log_fixed(replay: Replay, recording: Any) -> None:
                 recording.log(f"{place}/3_sigma_{side}", bound, static=True)
 
 
-def _log_step(replay: Replay, step: Step, recording: Any) -> None:
+def _log_step(replay: Replay, step: ReplayStep, recording: Any) -> None:
     rr = _rerun()
     for kind, view in (("truth", step.truth), ("estimate", step.estimate)):
         moved = rr.Clear(recursive=False) if view is None else _transform(view.T_world_cam)
@@ -98,7 +98,7 @@ def _log_step(replay: Replay, step: Step, recording: Any) -> None:
     recording.log("status", rr.TextLog(f"{step.label}: {step.status}", level="INFO" if step.estimate else "WARN"))
 
 
-def _log_image(replay: Replay, step: Step, shown: Placement | None, recording: Any) -> None:
+def _log_image(replay: Replay, step: ReplayStep, shown: Placement | None, recording: Any) -> None:
     rr, place = _rerun(), "world/truth/camera/image"
     if step.image is not None and step.image.is_file():
         contents = encode_jpeg(as_8_bit(read_image(step.image)), JPEG_QUALITY)
@@ -111,7 +111,7 @@ def _log_image(replay: Replay, step: Step, shown: Placement | None, recording: A
     recording.log(f"{place}/found_3_sigma", rr.LineStrips2D(ellipses(step), colors=_FOUND))
 
 
-def _log_ellipsoid(step: Step, recording: Any) -> None:
+def _log_ellipsoid(step: ReplayStep, recording: Any) -> None:
     rr = _rerun()
     if step.estimate is None or step.covariance_m2 is None or not np.isfinite(step.covariance_m2).all():
         recording.log("world/estimate/sigma", rr.Clear(recursive=False))
@@ -125,7 +125,7 @@ def _log_ellipsoid(step: Step, recording: Any) -> None:
     recording.log("world/estimate/sigma", shape)
 
 
-def _log_errors(replay: Replay, step: Step, recording: Any) -> None:
+def _log_errors(replay: Replay, step: ReplayStep, recording: Any) -> None:
     rr = _rerun()
     for k, name in enumerate(replay.axes):
         group, scale = ("position", 1.0) if k < 3 else ("attitude", 180.0 / np.pi)
@@ -138,7 +138,7 @@ def _log_errors(replay: Replay, step: Step, recording: Any) -> None:
             recording.log(f"{place}/3_sigma_below", rr.Scalars(-bound))
 
 
-def ellipses(step: Step, points: int = 24) -> list[Float[np.ndarray, "points 2"]]:
+def ellipses(step: ReplayStep, points: int = 24) -> list[Float[np.ndarray, "points 2"]]:
     """3-sigma ellipses of the found keypoints, each a closed line [px]."""
     if step.pixels is None or step.covariances_px2 is None:
         return []

@@ -15,7 +15,7 @@ from proxnav.records import Keypoints
 from proxnav.storage.files import replacing
 from proxnav.targets import Target
 from proxnav.viewing.overlay import Canvas, caption, overlay
-from proxnav.viewing.replay.replay import Replay, Step
+from proxnav.viewing.replay.replay import Replay, ReplayStep
 
 
 def save_video(replay: Replay, path: Path, frames_per_s: float = 10.0, side: int = 1024) -> None:
@@ -37,7 +37,7 @@ def save_video(replay: Replay, path: Path, frames_per_s: float = 10.0, side: int
         container.mux(stream.encode())
 
 
-def draw_step(replay: Replay, step: Step) -> Canvas:
+def draw_step(replay: Replay, step: ReplayStep) -> Canvas:
     """RGB picture of one step; over a sketch of the target where the run has no image."""
     camera, shown = replay.camera, step.truth or step.estimate
     if step.image is not None and step.image.is_file():
@@ -67,14 +67,14 @@ def sketch(target: Target, camera: Camera, T_cam_target: Pose) -> GreyImage:
     return image
 
 
-def _found(step: Step) -> Keypoints | None:
+def _found(step: ReplayStep) -> Keypoints | None:
     if step.pixels is None or step.covariances_px2 is None:
         return None
     n = len(step.pixels)
     return Keypoints("ok", step.pixels, step.covariances_px2, np.ones(n), np.full(4, np.nan))
 
 
-def _lines(replay: Replay, step: Step) -> list[str]:
+def _lines(replay: Replay, step: ReplayStep) -> list[str]:
     when = f"t = {step.t:.1f} s  " if replay.is_sequence and not step.label.startswith("t =") else ""
     shown = step.truth or step.estimate
     range_text = "" if shown is None else f"  range {np.linalg.norm(shown.T_cam_target.t_m):.1f} m"

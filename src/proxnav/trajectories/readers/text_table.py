@@ -15,7 +15,7 @@ _SAID_IN_TITLE = re.compile(r"(?:Satellite|Spacecraft|Object|Aircraft)?[-/ ]*(?P
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class TextTable:
     """Text cells under column headers."""
 
     path: str
@@ -28,7 +28,7 @@ class Table:
     """From a report's title, such as 'J2000 Position Velocity'."""
 
 
-def read_csv(path: str | Path, columns: tuple[str, ...]) -> Table:
+def read_csv(path: str | Path, columns: tuple[str, ...]) -> TextTable:
     """A comma-separated file with a header, which may repeat; without a header `columns` names the cells."""
     lines = read_lines(path)
     with refused_csv(Path(path)):
@@ -47,10 +47,10 @@ def read_csv(path: str | Path, columns: tuple[str, ...]) -> Table:
             "t, x, y, z, vx, vy, vz"
         )
     body = [(k, cells) for k, cells in filled if not _is_header(cells)]
-    return _checked(Table(str(path), tuple(names), body))
+    return _checked(TextTable(str(path), tuple(names), body))
 
 
-def read_report(path: str | Path) -> Table:
+def read_report(path: str | Path) -> TextTable:
     """An STK report: title, header over a dashed line, rows of a time and numbers; head and dashes may repeat."""
     lines = read_lines(path)
     dashes = [k for k, line in enumerate(lines) if _DASHES.fullmatch(line)]
@@ -65,7 +65,7 @@ def read_report(path: str | Path) -> Table:
     for k, line in enumerate(lines[dashes[0] + 1 :], start=dashes[0] + 2):
         if re.match(r"\s*\d", line) and not (k < len(lines) and _DASHES.fullmatch(lines[k])):
             rows.append((k, line.strip().rsplit(maxsplit=groups - 1)))
-    return _checked(Table(str(path), tuple(header), rows, title, style))
+    return _checked(TextTable(str(path), tuple(header), rows, title, style))
 
 
 def is_report(lines: list[str]) -> bool:
@@ -95,7 +95,7 @@ def _title(lines: list[str]) -> tuple[str, str]:
     return "", ""
 
 
-def _checked(table: Table) -> Table:
+def _checked(table: TextTable) -> TextTable:
     if not table.rows:
         raise InputError(f"{table.path}: a header but no data rows; export it again")
     for line, cells in table.rows:

@@ -21,7 +21,7 @@ from proxnav.records import (
 )
 from proxnav.storage.tables import quaternion_columns, vector_columns
 
-_UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
+_UPPER = np.triu_indices(6)
 _T, _RECEIVED = ("t_s",), ("received_s",)
 
 
@@ -69,7 +69,7 @@ TABLES = {
     ),
     "poses": Table(
         (_T, _RECEIVED, quaternion_columns("q_cam_target"), vector_columns("t_cam_target", "m"),
-         tuple(f"c{i}{j}" for i, j in _UPPER)),
+         tuple(f"c{i}{j}" for i, j in zip(*_UPPER, strict=True))),
         {"q_cam": Range(0.99, 1.01, "(norm)"), "t_cam": Range(0.5, 2e4, "m")},
     ),
 }  # fmt: skip
@@ -89,7 +89,7 @@ def rows_of(records: SensorRecords) -> dict[str, Rows]:
     if records.keypoints is not None:
         rows["keypoints"] = _keypoint_rows(records.keypoints)
     if (p := records.poses) is not None:
-        upper = np.stack([p.covariance[:, i, j] for i, j in _UPPER], axis=1)
+        upper = p.covariance[:, *_UPPER]
         rows["poses"] = np.column_stack([p.t, p.received, p.q_cam_target, p.t_cam_target_m, upper])
     return rows
 
@@ -136,7 +136,7 @@ def _keypoints(
 
 
 def _symmetric(upper: Float[np.ndarray, "n 21"]) -> Float[np.ndarray, "n 6 6"]:
+    rows, columns = _UPPER
     out = np.zeros((len(upper), 6, 6))
-    for column, (i, j) in enumerate(_UPPER):
-        out[:, i, j] = out[:, j, i] = upper[:, column]
+    out[:, rows, columns] = out[:, columns, rows] = upper
     return out

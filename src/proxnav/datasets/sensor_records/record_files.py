@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from proxnav.datasets.sensor_records.plausibility import Rows, check_table
-from proxnav.datasets.sensor_records.tables import TABLES, records_of, rows_of
+from proxnav.datasets.sensor_records.record_tables import TABLES, records_of, rows_of
 from proxnav.errors import InputError
 from proxnav.records import SensorRecords
 from proxnav.storage.files import read_json, refused_csv, write_json
