@@ -6,7 +6,7 @@ import cv2
 import trimesh
 
 import proxnav as pn
-from proxnav.targets.loading import from_mesh, load_target, save_target
+from proxnav.targets.cad.from_mesh import from_mesh, load_target, save_target
 from proxnav.targets.preview import contact_sheet
 
 

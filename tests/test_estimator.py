@@ -14,7 +14,6 @@ from proxnav.detection.sessions import open_session
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera, Pose, quaternion
-from proxnav.images.tones import grey_8_bit
 from proxnav.models.card import ModelCard, write_card
 from proxnav.records import Keypoints
 from proxnav.targets.space_rider import space_rider
@@ -82,19 +81,6 @@ def test_every_kind_of_image_ends_in_a_status(model, image):
 def test_an_image_of_another_size_than_the_camera_is_refused(model):
     with pytest.raises(InputError, match=r"256x100 px.*camera 256x192"):
         PoseEstimator.load(str(model), "onnxruntime")(noise(shape=(100, 256)), CAMERA)
-
-
-@pytest.mark.parametrize(
-    "image", [np.zeros((192, 256)), np.zeros((192, 256, 3, 1), np.uint8), np.zeros((0, 5), np.uint8)]
-)
-def test_an_array_that_is_no_image_is_refused(image):
-    with pytest.raises(InputError, match="uint8 or uint16"):
-        grey_8_bit(image)
-
-
-def test_sixteen_bits_read_like_eight():
-    image = noise()
-    np.testing.assert_array_equal(grey_8_bit(image.astype(np.uint16) << 4, bits=12), image)
 
 
 def test_an_unknown_model_names_the_shipped_ones():

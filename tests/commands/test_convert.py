@@ -13,7 +13,7 @@ from proxnav.cli.main import main
 from proxnav.datasets.formats import WRITERS, read_labels
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.records import Trajectory
-from proxnav.targets.loading import save_target
+from proxnav.targets.target_files import save_target
 from proxnav.trajectories import (
     OBSERVATION_10_100,
     ReaderConfig,

@@ -69,7 +69,7 @@ def new(config: New) -> None:
     from proxnav.missions import load_mission
     from proxnav.targets.cad.from_mesh import from_mesh
     from proxnav.targets.keypoints.point_files import load_points
-    from proxnav.targets.loading import save_target
+    from proxnav.targets.target_files import save_target
 
     config = asked(config)
     target = from_mesh(

@@ -7,9 +7,7 @@ from proxnav.errors import InputError
 from proxnav.targets.cad.from_mesh import from_mesh
 from proxnav.targets.space_rider import space_rider
 from proxnav.targets.target import Target
-from proxnav.targets.target_files import read_target, save_target
-
-__all__ = ["from_mesh", "load_target", "save_target"]
+from proxnav.targets.target_files import read_target
 
 GENERATED = {"space-rider": space_rider}
 

@@ -1,11 +1,7 @@
 import json
-from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from boxcraft import boxcraft
 from proxnav.datasets.set.dataset import Dataset
@@ -13,8 +9,6 @@ from proxnav.datasets.set.labelling import label_frame
 from proxnav.datasets.set.writer import DatasetWriter
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
-from proxnav.geometry.boxes import box_of_mask
-from proxnav.images.codecs import encode_png, read_image
 from proxnav.records import HIDDEN, NOT_IN_IMAGE, VISIBLE, EarthSpec, SceneSpec, SunSpec
 
 CAMERA = Camera(64, 48, 60.0, 61.0, 32.0, 24.0, (-0.1, 0.02, 0.0, 0.001, 0.0))
@@ -36,29 +30,6 @@ def write(folder, scenes, upto=None):
     return writer
 
 
-def test_a_scene_line_reads_back_equal():
-    line = json.dumps(scene().to_json())
-    assert SceneSpec.from_json(json.loads(line)) == scene()
-
-
-def test_fields_that_came_later_are_written_only_where_they_say_something():
-    plain, earth = scene(), replace(scene().earth, cloud_image="/data/cloud.png")
-    full = replace(plain, earth=earth, sensor=replace(plain.sensor, dead_pixel_share=1e-5))
-    assert "cloud_image" not in plain.to_json()["earth"]
-    assert "dead_pixel_share" not in plain.to_json()["sensor"]
-    assert "earth" in replace(plain, earth=None).to_json()
-    assert SceneSpec.from_json(json.loads(json.dumps(full.to_json()))) == full
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [({"version": 9}, "version"), ({"sun": 3}, "scene.sun"), ({"nonsense": 1}, "nonsense")],
-)
-def test_a_wrong_scene_line_is_refused_by_name(change, sentence):
-    with pytest.raises(InputError, match=sentence):
-        SceneSpec.from_json(json.loads(json.dumps(scene().to_json())) | change)
-
-
 def test_keypoints_are_labelled_where_the_camera_projects_them():
     target = boxcraft()
     unoccluded = np.arange(8) % 2 == 0
@@ -69,13 +40,6 @@ def test_keypoints_are_labelled_where_the_camera_projects_them():
     assert (label.visibility[inside & unoccluded] == VISIBLE).all()
     assert (label.visibility[inside & ~unoccluded] == HIDDEN).all()
     assert (label.visibility[~inside] == NOT_IN_IMAGE).all()
-
-
-def test_the_box_is_the_outer_edge_of_the_mask():
-    mask = np.zeros((10, 12), bool)
-    mask[2:5, 3:9] = True
-    np.testing.assert_array_equal(box_of_mask(mask), [3, 2, 9, 5])
-    assert np.isnan(box_of_mask(np.zeros((3, 3), bool))).all()
 
 
 def test_a_data_set_reads_back_what_was_written(tmp_path):
@@ -140,24 +104,6 @@ def test_annotations_cannot_lead_out_of_the_folder(tmp_path):
         Dataset(tmp_path / "set").image(0)
 
 
-def test_a_damaged_image_is_refused(tmp_path):
-    (tmp_path / "a.png").write_bytes(encode_png(np.zeros((8, 8), np.uint8))[:40])
-    with pytest.raises(InputError, match="not a readable image"):
-        read_image(tmp_path / "a.png")
-
-
-@given(st.sampled_from([np.uint8, np.uint16]), st.sampled_from([(5, 7), (5, 7, 3)]), st.integers(0, 99))
-def test_png_keeps_every_value(tmp_path_factory, dtype, shape, seed):
-    image = np.random.default_rng(seed).integers(0, np.iinfo(dtype).max, shape, dtype=dtype)
-    path = tmp_path_factory.mktemp("png") / "a.png"
-    path.write_bytes(encode_png(image))
-    np.testing.assert_array_equal(read_image(path), image)
-
-
-def test_a_scene_differs_when_its_range_does():
-    assert replace(scene(), t_cam_target_m=(0.0, 0.0, 9.0)) != scene()
-
-
 def test_a_data_set_goes_not_into_a_file(tmp_path):
     (tmp_path / "set").write_text("mine")
     with pytest.raises(InputError, match="is a file"):
@@ -174,15 +120,3 @@ def test_a_line_that_is_no_scene_is_named(tmp_path, line):
     (folder / "scenes.jsonl").unlink()
     with pytest.raises(InputError, match=r"scenes\.jsonl: no such file"):
         list(Dataset(folder).scenes())
-
-
-def test_a_picture_of_floating_point_numbers_is_refused(tmp_path):
-    cv2.imwrite(str(tmp_path / "radiance.tiff"), np.ones((4, 4), np.float32))
-    with pytest.raises(InputError, match="float32"):
-        read_image(tmp_path / "radiance.tiff")
-
-
-def test_sixteen_bit_colour_keeps_its_bits_and_its_order(tmp_path):
-    image = np.random.default_rng(1).integers(0, 2**16, (5, 6, 3), dtype=np.uint16)
-    (tmp_path / "deep.png").write_bytes(encode_png(image))
-    np.testing.assert_array_equal(read_image(tmp_path / "deep.png"), image)

@@ -6,30 +6,11 @@ from scipy.stats import chi2
 from tests.pose.solve.cases import CAMERA, FISH, SIX, many, random_pose
 
 from proxnav.errors import InputError
-from proxnav.geometry import Camera, Pose, quaternion, so3
-from proxnav.geometry.pose_jacobian import pose_jacobian
+from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.perturbation import difference
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.crlb import cramer_rao_white
 from proxnav.pose.solve.estimate import estimate_pose
-
-
-def perturbed(T: Pose, delta: np.ndarray) -> Pose:
-    return Pose.from_matrix("cam", "target", so3.exp(delta[3:]) @ T.R, T.t_m + delta[:3])
-
-
-def pose_difference(T_est: Pose, T_true: Pose) -> np.ndarray:
-    """(dt, dr) with t_true = t_est + dt, R_true = exp(dr) R_est."""
-    return np.concatenate([T_true.t_m - T_est.t_m, so3.log(T_true.R @ T_est.R.T)])
-
-
-@pytest.mark.parametrize("camera", [CAMERA, FISH])
-def test_jacobian_agrees_with_finite_differences(camera: Camera, rng: np.random.Generator) -> None:
-    T, step = random_pose(rng, 15.0, 40.0), 1e-6
-    J = pose_jacobian(T, SIX, camera)
-    for k in range(6):
-        delta = step * np.eye(6)[k]
-        numeric = (camera.project(perturbed(T, delta) @ SIX) - camera.project(perturbed(T, -delta) @ SIX)) / (2 * step)
-        np.testing.assert_allclose(J[..., k], numeric, rtol=1e-6, atol=1e-4)  # px/m, px/rad
 
 
 def test_solver_reaches_the_bound_at_a_tenth_of_a_pixel(rng: np.random.Generator) -> None:
@@ -43,7 +24,7 @@ def test_solver_reaches_the_bound_at_a_tenth_of_a_pixel(rng: np.random.Generator
         result = estimate_pose(points, pixels, FISH, covariances, config=config)
         assert result.T_cam_target is not None
         assert result.covariance is not None
-        errors.append(pose_difference(result.T_cam_target, T))
+        errors.append(difference(result.T_cam_target, T))
         nees.append(errors[-1] @ np.linalg.solve(result.covariance, errors[-1]))
     sample = np.cov(np.array(errors).T)
     whitener = np.linalg.inv(np.linalg.cholesky(bound))
@@ -65,7 +46,7 @@ def test_default_solver_is_honest_with_outliers_and_uneven_noise(rng: np.random.
         result = estimate_pose(points, pixels, CAMERA, covariances)
         assert result.T_cam_target is not None
         assert result.covariance is not None
-        error = pose_difference(result.T_cam_target, T)
+        error = difference(result.T_cam_target, T)
         nees.append(error @ np.linalg.solve(result.covariance, error))
     assert 4.8 < np.mean(nees) < 7.2
 
