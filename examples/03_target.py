@@ -6,8 +6,10 @@ import cv2
 import trimesh
 
 import proxnav as pn
-from proxnav.targets.cad.from_mesh import from_mesh, load_target, save_target
+from proxnav.targets.cad.from_mesh import from_mesh
+from proxnav.targets.loading import load_target
 from proxnav.targets.preview import contact_sheet
+from proxnav.targets.target_files import save_target
 
 
 def small_satellite(path: Path) -> Path:

@@ -16,7 +16,7 @@ from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 from proxnav.rendered_set import render
 from proxnav.storage.lock import LOCK
-from proxnav.targets.loading import save_target
+from proxnav.targets.target_files import save_target
 
 RAYCAST = FrameConfig("raycast")
 SIDE = 96

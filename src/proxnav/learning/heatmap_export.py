@@ -18,7 +18,8 @@ from proxnav.learning.pose_calibration import (
 )
 from proxnav.models.card import ModelCard, write_card
 from proxnav.pose.align import AlignConfig
-from proxnav.targets.loading import GENERATED, load_target, save_target
+from proxnav.targets.loading import GENERATED, load_target
+from proxnav.targets.target_files import save_target
 
 
 def export_heatmap_model(
