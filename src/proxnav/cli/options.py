@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from proxnav.cluster.jobs import POOL, check_workers
+from proxnav.detection.sessions import Backend
 from proxnav.storage.files import write_json
 
 
@@ -22,6 +23,24 @@ class WorkerOptions:
     def check(self) -> None:
         """InputError unless so many workers can be had there; the command line asks before it runs the command."""
         check_workers(self.workers, self.on)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelOptions:
+    """Which model estimates, and what runs its network."""
+
+    model: str = "space-rider"
+    """Name of a shipped model, or a folder with a model.json."""
+    backend: Backend = "auto"
+    """What runs the network."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DryRunOptions:
+    """For jobs of hours."""
+
+    dry_run: bool = False
+    """Only say what time and disk it would take, tried on a little of it."""
 
 
 @dataclass(frozen=True, kw_only=True)

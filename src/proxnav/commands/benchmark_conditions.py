@@ -3,25 +3,21 @@
 from dataclasses import dataclass
 
 from proxnav.benchmarks.condition_table import measure_conditions, table
-from proxnav.cli.options import ResultOptions, WorkerOptions
+from proxnav.cli.options import ModelOptions, ResultOptions, WorkerOptions
 from proxnav.cli.progress import progress
-from proxnav.detection.sessions import Backend
 from proxnav.missions import load_mission
 
 
 @dataclass(frozen=True)
-class ConditionsConfig(WorkerOptions, ResultOptions):
+class ConditionsConfig(ModelOptions, WorkerOptions, ResultOptions):
     """Ray-cast frames of the mission under each condition; every condition sees the same views where it can."""
 
-    model: str = "space-rider"
-    """Name or folder."""
     frames: int = 40
     """Frames under each condition."""
     empty: int = 200
     """Frames without a target."""
     seed: int = 500
     preset: str = "observation-10-100m"
-    backend: Backend = "auto"
 
 
 def run(config: ConditionsConfig) -> None:

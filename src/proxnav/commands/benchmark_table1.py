@@ -5,22 +5,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from proxnav.benchmarks.table1 import measure_table1
-from proxnav.cli.options import WorkerOptions
+from proxnav.cli.options import ModelOptions, WorkerOptions
 from proxnav.cli.progress import progress
-from proxnav.detection.sessions import Backend
 from proxnav.frames import FrameConfig, Renderer
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 
 
 @dataclass(frozen=True)
-class Table1Config(WorkerOptions):
+class Table1Config(ModelOptions, WorkerOptions):
     """Renders the set of a seed once, estimates every image of it, compares with the truth."""
 
     out: Path = Path("out/table1")
     """Folder of the images (kept and reused) and of poses.json, truth.json, metrics.json, overlays/."""
-    model: str = "space-rider"
-    """Name of a shipped model, or a folder with a model.json."""
     frames: int = 100
     seed: int = 100
     preset: str = "observation-10-100m"
@@ -29,7 +26,6 @@ class Table1Config(WorkerOptions):
     renderer: Renderer = "cycles"
     samples: int = 32
     """Cycles: samples per pixel."""
-    backend: Backend = "auto"
     json: bool = False
     """Print one JSON object instead of the tables."""
 

@@ -6,11 +6,10 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import WorkerOptions
+from proxnav.cli.options import ModelOptions, WorkerOptions
 from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.datasets.formats.speed_poses import write_poses
 from proxnav.datasets.set.dataset import Dataset
-from proxnav.detection.sessions import Backend
 from proxnav.errors import InputError
 from proxnav.estimation import estimate_images
 from proxnav.geometry import Camera
@@ -20,19 +19,15 @@ _IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm"}
 
 
 @dataclass(frozen=True)
-class EstimateConfig(WorkerOptions):
+class EstimateConfig(ModelOptions, WorkerOptions):
     """Estimates the pose of the target in every image and writes poses.json (SPEED+ keys, status, covariance)."""
 
     input: Annotated[Path, tyro.conf.Positional]
     """A data set, a folder of images, or one image."""
     out: Path = Path("poses.json")
     """File to write."""
-    model: str = "space-rider"
-    """Name of a shipped model, or a folder with a model.json."""
     camera: Path | None = None
     """camera.json (SPEED+ keys); the data set's own when not given."""
-    backend: Backend = "auto"
-    """What runs the network."""
     threads: int = 0
     """For the network; 0 takes all cores."""
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import tyro
 
 from proxnav.benchmarks.dry_run import rendering_dry_run
-from proxnav.cli.options import WorkerOptions
+from proxnav.cli.options import DryRunOptions, WorkerOptions
 from proxnav.cli.progress import progress, say_when_compiling
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig, Renderer
@@ -26,7 +26,7 @@ STRENGTHS: dict[Textures, tuple[float, float]] = {"none": (0.0, 0.0), "mild": (0
 
 
 @dataclass(frozen=True)
-class RenderConfig(WorkerOptions):
+class RenderConfig(WorkerOptions, DryRunOptions):
     """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
 
     out: Path
@@ -59,8 +59,6 @@ class RenderConfig(WorkerOptions):
     """Cycles: samples per pixel."""
     clouds: Path | None = None
     """Equirectangular picture of cloud, white where opaque."""
-    dry_run: bool = False
-    """Only say what time and disk it would take, tried on a little of it."""
 
 
 def run(config: RenderConfig) -> None:

@@ -3,52 +3,47 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from proxnav.cli.options import DryRunOptions
 from proxnav.detection.heatmap.train import TrainFinderConfig, TrainHeatmapConfig
 from proxnav.learning.dry_run import training_dry_run
 from proxnav.learning.heatmap_training import crop_training, finder_training
 
 
-@dataclass(frozen=True)
-class TrainCropOptions:
-    """Trains the crop network on ray-cast crops that never repeat; resumes from --out."""
+@dataclass(frozen=True, kw_only=True)
+class DrawnTrainingOptions(DryRunOptions):
+    """What both networks are asked: images that never repeat, of a target, into a folder."""
 
     out: Path
     """Folder of checkpoints, learning curve and weights."""
     target: str = "space-rider"
     """Name or file of the target."""
-    side: int = 128
-    """Pixels of the network's input: start small, finish large."""
     workers: int = 1
     """Processes that draw."""
     repeats: int = 4
     """Times that a drawn image is learnt from, each time as another view."""
+
+
+@dataclass(frozen=True)
+class TrainCropOptions(DrawnTrainingOptions):
+    """Trains the crop network on ray-cast crops that never repeat; resumes from --out."""
+
+    side: int = 128
+    """Pixels of the network's input: start small, finish large."""
     seed: int = 1
     """Seed of the scenes."""
     validation: int = 256
     """Crops that are kept aside."""
-    dry_run: bool = False
-    """Only say what time and disk it would take, tried on a little of it."""
     training: TrainHeatmapConfig = field(default_factory=TrainHeatmapConfig)
 
 
 @dataclass(frozen=True)
-class TrainFinderOptions:
+class TrainFinderOptions(DrawnTrainingOptions):
     """Trains the finder on ray-cast frames that never repeat; resumes from --out."""
 
-    out: Path
-    """Folder of checkpoints, learning curve and weights."""
-    target: str = "space-rider"
-    """Name or file of the target."""
     side: int = 256
     """Pixels of the network's input."""
-    workers: int = 1
-    """Processes that draw."""
-    repeats: int = 4
-    """Times that a drawn image is learnt from, each time as another view."""
     seed: int = 2
     """Seed of the scenes."""
-    dry_run: bool = False
-    """Only say what time and disk it would take, tried on a little of it."""
     training: TrainFinderConfig = field(default_factory=TrainFinderConfig)
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from proxnav.cli.options import DryRunOptions
 from proxnav.cli.progress import progress
 from proxnav.detection.training.ranks import is_first_rank
 from proxnav.learning.dry_run import training_dry_run
@@ -12,7 +13,7 @@ from proxnav.learning.rcnn_training import KeypointChoice, RcnnImages, RcnnRecip
 
 
 @dataclass(frozen=True)
-class TrainRcnnOptions:
+class TrainRcnnOptions(DryRunOptions):
     """Trains Keypoint R-CNN into --out (checkpoints, learning curve), then exports it as a model into --out/model."""
 
     out: Path
@@ -53,8 +54,6 @@ class TrainRcnnOptions:
     """2: the model detects once more, in a crop round the first box; the study does not."""
     least_median_score: float = 0.6
     """Median score of the keypoints that the model finds; below it no pose."""
-    dry_run: bool = False
-    """Only say what time and disk it would take, tried on a little of it."""
 
 
 def run(options: TrainRcnnOptions) -> None:
