@@ -11,7 +11,6 @@ from hypothesis.extra.numpy import arrays
 
 from boxcraft import QUADS, boxcraft
 from proxnav.geometry import Camera, Pose, quaternion
-from proxnav.geometry.compiled.perturbation import difference as compiled_difference
 from proxnav.geometry.perturbation import difference, moved
 from proxnav.pose.align import AlignConfig, Prior, align
 from proxnav.pose.align.config import USUAL_DOUBT
@@ -157,14 +156,6 @@ def test_offsets_along_normals_are_those_of_a_step_edge():
     H, g = np.empty((6, 6)), np.empty(6)
     assert edge_equations(X, N, R, t, lens, gx, gy, 6.0, 2.0, 1.0, 1e-6, H, g) == pytest.approx(20, abs=0.01)
     assert g[0] / H[0, 0] * 100.0 == pytest.approx(1.3, abs=0.1)  # px
-
-
-@settings(deadline=None)
-@given(arrays(np.float64, 6, elements=st.floats(-1.5, 1.5)))
-def test_the_kernel_measures_offsets_as_geometry_does(step):
-    there, d = moved(POSE, step), np.empty(6)
-    compiled_difference(POSE.R, POSE.t_m, there.R, there.t_m, d)
-    np.testing.assert_allclose(d, step, atol=1e-7)
 
 
 def test_no_edges_no_share_and_no_target_no_alignment():

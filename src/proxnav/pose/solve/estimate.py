@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.compiled import rotations
+from proxnav.geometry.perturbation import ROTATION
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.consensus import (
     Fit,
@@ -106,4 +107,4 @@ def _is_ambiguous(fit: Fit, covariance: Float[np.ndarray, "6 6"], least_gap: flo
     if not fit.rival_cost - fit.cost < least_gap:
         return False
     dr = turn_between(fit.R, fit.rival_R)
-    return bool(dr @ np.linalg.solve(covariance[3:, 3:], dr) > _FAR_APART)
+    return bool(dr @ np.linalg.solve(covariance[ROTATION, ROTATION], dr) > _FAR_APART)

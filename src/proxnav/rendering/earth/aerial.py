@@ -12,19 +12,31 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32
 
 from proxnav.geometry.compiled.kernel import fast_kernel, fast_pasted_kernel
-from proxnav.rendering.earth.atmosphere import R_TOP, march, mie_phase, rayleigh_phase
+from proxnav.rendering.earth.atmosphere import (
+    FROM_AEROSOL,
+    FROM_AIR,
+    ISOTROPIC,
+    PATH,
+    R_TOP,
+    THROUGH,
+    march,
+    mie_phase,
+    rayleigh_phase,
+)
 from proxnav.rendering.earth.ellipsoid import A_M, near_hit
 
 N_NADIR, N_AZIMUTH = 72, 40
 STEPS = 32  # integrals converged to 1 %
 GROUND, CLOUD, SKY = 0, 1, 2
+SCATTERED, BEHIND = 0, 3
+"""Places in what `look` fills, three bands each."""
 CLOUD_TOP_M = 5e3  # m, the shell on which clouds are drawn
 
 
 class Aerial(NamedTuple):
     """The tables of one eye point and Sun direction."""
 
-    nodes: Float32[np.ndarray, "table=3 n_nadir n_azimuth 12"]
+    nodes: Float32[np.ndarray, "table=3 n_nadir n_azimuth path=12"]
     """Rayleigh, Mie, isotropic, transmittance, three bands each."""
     done: Bool[np.ndarray, "table=3 n_nadir n_azimuth"]
     """Which nodes have been computed."""
@@ -34,7 +46,7 @@ class Aerial(NamedTuple):
     """Distance of the eye from Earth's centre, in stretched space [m]."""
     mu_sun: float
     """Cosine of the Sun's zenith angle at the eye."""
-    work: Float[np.ndarray, "12"]
+    work: Float[np.ndarray, "path=12"]
     """Room for one path."""
 
 
@@ -43,8 +55,8 @@ def empty(radius: float, mu_sun: float) -> Aerial:
     edge = [math.sqrt(max(0.0, 1.0 - (shell / radius) ** 2)) for shell in (A_M, A_M + CLOUD_TOP_M, R_TOP)]
     top = edge[2] if radius > R_TOP else -1.0
     bounds = np.array([[edge[0], 1.0], [edge[1], 1.0], [edge[0], top]])
-    nodes = np.zeros((3, N_NADIR, N_AZIMUTH, 12), dtype=np.float32)
-    return Aerial(nodes, np.zeros((3, N_NADIR, N_AZIMUTH), dtype=np.bool_), bounds, radius, mu_sun, np.empty(12))
+    nodes = np.zeros((3, N_NADIR, N_AZIMUTH, PATH), dtype=np.float32)
+    return Aerial(nodes, np.zeros((3, N_NADIR, N_AZIMUTH), dtype=np.bool_), bounds, radius, mu_sun, np.empty(PATH))
 
 
 @fast_kernel
@@ -64,14 +76,14 @@ def _fill(aerial, transmittance, multiple, kind, i, j):
             length = -r0 * mu
     out = aerial.work
     march(transmittance, multiple, r0, mu, mu_sun, nu, length, STEPS, out)
-    for k in range(12):
+    for k in range(PATH):
         aerial.nodes[kind, i, j, k] = out[k]
     aerial.done[kind, i, j] = True
 
 
 @fast_kernel
 def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, out):
-    """Scattered light per unit Sun irradiance [1/sr] into out[:3] and transmittance of the path into out[3:6]."""
+    """Fills `out`: SCATTERED, light per unit Sun irradiance [1/sr], and BEHIND, transmittance of the path."""
     edge, end = aerial.bounds[kind, 0], aerial.bounds[kind, 1]
     x = math.sqrt(min(1.0, max(0.0, (down - edge) / (end - edge)))) * (N_NADIR - 1)
     y = min(1.0, max(0.0, 0.5 * (1.0 - cos_azimuth))) * (N_AZIMUTH - 1)
@@ -85,10 +97,10 @@ def look(aerial, transmittance, multiple, kind, down, cos_azimuth, nu, out):
     n = aerial.nodes
     phase_r, phase_m = rayleigh_phase(nu), mie_phase(nu)
     for k in range(3):
-        r = _mix(n, kind, i, j, k, w00, w01, w10, w11)
-        m = _mix(n, kind, i, j, 3 + k, w00, w01, w10, w11)
-        out[k] = phase_r * r + phase_m * m + _mix(n, kind, i, j, 6 + k, w00, w01, w10, w11)
-        out[3 + k] = _mix(n, kind, i, j, 9 + k, w00, w01, w10, w11)
+        r = _mix(n, kind, i, j, FROM_AIR + k, w00, w01, w10, w11)
+        m = _mix(n, kind, i, j, FROM_AEROSOL + k, w00, w01, w10, w11)
+        out[SCATTERED + k] = phase_r * r + phase_m * m + _mix(n, kind, i, j, ISOTROPIC + k, w00, w01, w10, w11)
+        out[BEHIND + k] = _mix(n, kind, i, j, THROUGH + k, w00, w01, w10, w11)
 
 
 @fast_pasted_kernel

@@ -31,6 +31,9 @@ GROUND_ALBEDO = 0.25  # mean, for light that bounces once more before it is scat
 
 _T_R, _T_MU = 64, 256
 _MS_H, _MS_MU = 24, 48
+FROM_AIR, FROM_AEROSOL, ISOTROPIC, THROUGH, PATH = 0, 3, 6, 9, 12
+"""Places in the row of a path: Rayleigh and Mie light without their phase functions, isotropic higher orders, and the
+transmittance of the path, three bands each; and the length of the row."""
 SUN_NODES = 1024
 SUN_MU_MIN, SUN_MU_MAX = -0.31, 1.0  # to the end of astronomical twilight
 
@@ -142,14 +145,13 @@ def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
     """Light scattered towards the eye along a path through the air, per unit Sun irradiance.
 
     r0: start radius [m]; mu, mu_sun0: cosines of zenith angle of ray and Sun there; nu: cosine between ray and Sun;
-    t_end: length [m] (ends on the ground, on a shell or beyond the air). `out` (12): Rayleigh (3) and Mie (3) without
-    their phase functions, isotropic higher orders (3), transmittance of the path (3).
+    t_end: length [m] (ends on the ground, on a shell or beyond the air). Fills the row `out` (PATH).
     """
     t_start = 0.0
     if r0 > R_TOP:
         t_start = near_hit(1.0, r0 * mu, R_TOP, r0)
-    for k in range(12):
-        out[k] = 0.0 if k < 9 else 1.0
+    for k in range(PATH):
+        out[k] = 0.0 if k < THROUGH else 1.0
     if t_start < 0.0 or t_end <= t_start:
         return
     t_low = min(max(-r0 * mu, t_start), t_end)  # where the path is lowest
@@ -174,7 +176,7 @@ def march(transmittance, multiple, r0, mu, mu_sun0, nu, t_end, steps, out):
         through0 *= _gather(out, 0, through0, dt, air, aerosol, ozone, sun[0], higher[0])
         through1 *= _gather(out, 1, through1, dt, air, aerosol, ozone, sun[1], higher[1])
         through2 *= _gather(out, 2, through2, dt, air, aerosol, ozone, sun[2], higher[2])
-    out[9], out[10], out[11] = through0, through1, through2
+    out[THROUGH], out[THROUGH + 1], out[THROUGH + 2] = through0, through1, through2
 
 
 @fast_kernel
@@ -184,9 +186,9 @@ def _gather(out, k, before, dt, air, aerosol, ozone, sun, higher):
     extinction = RAYLEIGH[k] * air + MIE_EXTINCTION[k] * aerosol + OZONE[k] * ozone
     step = math.exp(-extinction * dt)
     through = before * (dt if 1.0 - step < 1e-4 else (1.0 - step) / extinction)
-    out[k] += scatter_r * sun * through
-    out[3 + k] += scatter_m * sun * through
-    out[6 + k] += (scatter_r + scatter_m) * higher * through
+    out[FROM_AIR + k] += scatter_r * sun * through
+    out[FROM_AEROSOL + k] += scatter_m * sun * through
+    out[ISOTROPIC + k] += (scatter_r + scatter_m) * higher * through
     return step
 
 
@@ -210,7 +212,7 @@ def _multiple_table(transmittance, n_h, n_mu, steps):
     dark = np.zeros((_MS_H, _MS_MU, 3), dtype=np.float32)
     table = np.empty((n_h, n_mu, 3), dtype=np.float32)
     ones = np.ones((_MS_H, _MS_MU, 3), dtype=np.float32)
-    path, again = np.empty(12), np.empty(12)
+    path, again = np.empty(PATH), np.empty(PATH)
     n = 8
     for i in range(n_h):
         r = A_M + 1.0 + TOP_M * (i / (n_h - 1)) ** 2 * 0.999
@@ -232,11 +234,11 @@ def _multiple_table(transmittance, n_h, n_mu, steps):
                     g0, g1, g2 = sun_transmittance(transmittance, A_M + 1.0, min(1.0, mu_ground))
                     g = (g0, g1, g2)
                     for k in range(3):
-                        second[k] += (path[k] + path[3 + k]) / (4.0 * math.pi) / (n * n)
-                        share[k] += again[6 + k] / (n * n)
+                        second[k] += (path[FROM_AIR + k] + path[FROM_AEROSOL + k]) / (4.0 * math.pi) / (n * n)
+                        share[k] += again[ISOTROPIC + k] / (n * n)
                         if ground > 0.0:
                             bounce = GROUND_ALBEDO / math.pi * max(0.0, mu_ground) * g[k]
-                            second[k] += path[9 + k] * bounce / (n * n)
+                            second[k] += path[THROUGH + k] * bounce / (n * n)
             for k in range(3):
                 table[i, j, k] = second[k] / (1.0 - min(0.95, share[k]))
     return table
@@ -245,7 +247,7 @@ def _multiple_table(transmittance, n_h, n_mu, steps):
 @kernel
 def _sky_irradiance_table(transmittance, multiple, n, steps):
     table = np.empty((n, 3), dtype=np.float32)
-    path = np.empty(12)
+    path = np.empty(PATH)
     for j in range(n):
         mu_sun = SUN_MU_MIN + (SUN_MU_MAX - SUN_MU_MIN) * j / (n - 1)
         sin_sun = math.sqrt(max(0.0, 1.0 - mu_sun * mu_sun))
@@ -258,7 +260,8 @@ def _sky_irradiance_table(transmittance, multiple, n, steps):
                 r = A_M + 1.0
                 march(transmittance, multiple, r, mu, mu_sun, nu, _exit_distance(r, mu), steps, path)
                 for k in range(3):
-                    total[k] += rayleigh_phase(nu) * path[k] + mie_phase(nu) * path[3 + k] + path[6 + k]
+                    air, aerosol = path[FROM_AIR + k], path[FROM_AEROSOL + k]
+                    total[k] += rayleigh_phase(nu) * air + mie_phase(nu) * aerosol + path[ISOTROPIC + k]
         for k in range(3):
             table[j, k] = total[k] * math.pi / 64.0
     return table

@@ -12,7 +12,7 @@ from jaxtyping import Float, Float32, UInt8
 
 from proxnav.geometry.compiled.kernel import fast_inlined_kernel, fast_kernel
 from proxnav.rendering.earth import clouds as cl
-from proxnav.rendering.earth.aerial import CLOUD, CLOUD_TOP_M, GROUND, SKY, look
+from proxnav.rendering.earth.aerial import BEHIND, CLOUD, CLOUD_TOP_M, GROUND, SCATTERED, SKY, look
 from proxnav.rendering.earth.atmosphere import SUN_MU_MAX, SUN_MU_MIN, SUN_NODES, sun_transmittance
 from proxnav.rendering.earth.clouds import Clouds
 from proxnav.rendering.earth.ellipsoid import A_M, STRETCH, near_hit
@@ -23,7 +23,7 @@ X, LON, LAT, CX = 0, 3, 4, 5
 # Sunlit white Lambertian ground per cosine; lit by the sky; glint; air in front.
 DIRECT, DIFFUSE, MIRROR, AIR = 8, 11, 14, 17
 MIRROR_SKY, MU, SUN_EAST, SUN_NORTH = 20, 21, 22, 23
-C_DIRECT, C_DIFFUSE, C_AIR = 24, 27, 30  # the same for a white cloud
+C_DIRECT, C_DIFFUSE, C_AIR = 24, 27, 30  # the first two and the air for a white cloud
 C_TILT, C_SLANT, VALUE, HEAP, WARP, SLOPE = 33, 34, 35, 36, 37, 38
 SHADOW, TOWARD, FOOTPRINT, NIGHT, CIRRUS, C_MU, COS_VIEW, SIZE = 39, 40, 43, 44, 47, 48, 49, 50
 
@@ -110,7 +110,7 @@ def _air(eye, world, aerial, kind, down, cos_azimuth, nu, st, work, direct, air)
         return
     look(aerial, world.transmittance, world.multiple, kind, down, cos_azimuth, nu, work)
     for k in range(3):
-        st[direct + k], st[air + k] = work[3 + k], work[k] * eye.irradiance[k]
+        st[direct + k], st[air + k] = work[BEHIND + k], work[SCATTERED + k] * eye.irradiance[k]
     glow = _airglow_path(aerial.radius, down, 2.0 if kind == SKY else 1.0)
     for k in range(3):
         st[air + k] += AIRGLOW[k] * glow

@@ -89,8 +89,9 @@ def _region(model: Model, scene: SceneSpec, view: RenderView, window: Window, ha
     x1, y1 = window.x + window.width + halo, window.y + window.height + halo
     box = projected_box(model.mesh.vertices, scene.T_cam_target, view.lens)
     if box is not None:
-        x0, y0 = int(max(x0, np.floor(box[0]))), int(max(y0, np.floor(box[1])))
-        x1, y1 = int(min(x1, np.ceil(box[2]))), int(min(y1, np.ceil(box[3])))
+        low_x, low_y, high_x, high_y = box
+        x0, y0 = int(max(x0, np.floor(low_x))), int(max(y0, np.floor(low_y)))
+        x1, y1 = int(min(x1, np.ceil(high_x))), int(min(y1, np.ceil(high_y)))
     return Window(x0, y0, x1 - x0, y1 - y0) if x1 > x0 and y1 > y0 else None
 
 
@@ -154,7 +155,7 @@ def _write(
         chosen = pixels[i : i + step]
         hits = probe(view, chosen, grid.sample_places(chosen, samples), samples, sun_steps)
         at = _places(chosen, frame.window)
-        values = np.zeros((len(chosen) * samples, 4))
-        values[hits.ray, :3], values[hits.ray, 3] = shade(view, hits, samples), 1.0
-        mean = values.reshape(-1, samples, 4).sum(axis=1) / samples
-        frame.radiance[at], frame.coverage[at] = mean[:, :3], mean[:, 3]
+        light, met = np.zeros((len(chosen) * samples, 3)), np.zeros(len(chosen) * samples)
+        light[hits.ray], met[hits.ray] = shade(view, hits, samples), 1.0
+        frame.radiance[at] = light.reshape(-1, samples, 3).sum(axis=1) / samples
+        frame.coverage[at] = met.reshape(-1, samples).sum(axis=1) / samples
