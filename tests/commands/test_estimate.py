@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from proxnav.cli.main import main
-from proxnav.commands import estimate
 from proxnav.datasets.formats.speed_poses import read_poses
+from proxnav.datasets.image_folders import find_images
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera
@@ -64,4 +64,4 @@ def test_a_data_set_cannot_name_pictures_outside_itself(folder):
     }  # fmt: skip
     (folder / "annotations.json").write_text(json.dumps(document))
     with pytest.raises(InputError, match="leads out of"):
-        estimate.find_images(folder)
+        find_images(folder)

@@ -2,11 +2,8 @@
 
 from dataclasses import dataclass
 
-from proxnav.benchmarks.condition_table import measure_conditions, table
 from proxnav.cli.options import ResultOptions, WorkerOptions
-from proxnav.cli.progress import progress
 from proxnav.detection.sessions import Backend
-from proxnav.missions import load_mission
 
 
 @dataclass(frozen=True)
@@ -25,7 +22,11 @@ class ConditionsConfig(WorkerOptions, ResultOptions):
 
 
 def run(config: ConditionsConfig) -> None:
-    """Entry of `proxnav benchmark conditions`."""
+    """Measures and gives the table."""
+    from proxnav.benchmarks.condition_table import measure_conditions, table
+    from proxnav.cli.progress import progress
+    from proxnav.missions import load_mission
+
     found = measure_conditions(
         load_mission(config.preset), config.model, config.frames, config.empty, config.seed, config.backend,
         config.workers, config.on, progress,

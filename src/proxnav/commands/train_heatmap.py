@@ -1,11 +1,9 @@
-"""`proxnav train heatmap` and `proxnav train finder`: every image is drawn fresh while the network learns."""
+"""`proxnav train heatmap`: the crop network; every image is drawn fresh while it learns."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from proxnav.detection.heatmap.train import TrainFinderConfig, TrainHeatmapConfig
-from proxnav.learning.dry_run import training_dry_run
-from proxnav.learning.heatmap_training import crop_training, finder_training
+from proxnav.detection.heatmap.config import TrainHeatmapConfig
 
 
 @dataclass(frozen=True)
@@ -31,29 +29,11 @@ class TrainCropOptions:
     training: TrainHeatmapConfig = field(default_factory=TrainHeatmapConfig)
 
 
-@dataclass(frozen=True)
-class TrainFinderOptions:
-    """Trains the finder on ray-cast frames that never repeat; resumes from --out."""
+def run(options: TrainCropOptions) -> None:
+    """Trains the crop network, or says what it would take."""
+    from proxnav.learning.dry_run import training_dry_run
+    from proxnav.learning.heatmap_training import crop_training
 
-    out: Path
-    """Folder of checkpoints, learning curve and weights."""
-    target: str = "space-rider"
-    """Name or file of the target."""
-    side: int = 256
-    """Pixels of the network's input."""
-    workers: int = 1
-    """Processes that draw."""
-    repeats: int = 4
-    """Times that a drawn image is learnt from, each time as another view."""
-    seed: int = 2
-    """Seed of the scenes."""
-    dry_run: bool = False
-    """Only say what time and disk it would take, tried on a little of it."""
-    training: TrainFinderConfig = field(default_factory=TrainFinderConfig)
-
-
-def crop(options: TrainCropOptions) -> None:
-    """Entry of `proxnav train heatmap`."""
     training = crop_training(
         options.training, options.target, options.side, options.seed, options.workers, options.repeats,
         options.validation,
@@ -63,15 +43,3 @@ def crop(options: TrainCropOptions) -> None:
         return
     result = training.run(options.out, options)
     print(f"{result.reason}: {result.samples} crops seen, best validation {result.best_score:.3f} px; {result.weights}")
-
-
-def finder(options: TrainFinderOptions) -> None:
-    """Entry of `proxnav train finder`."""
-    training = finder_training(
-        options.training, options.target, options.side, options.seed, options.workers, options.repeats
-    )
-    if options.dry_run:
-        print(training_dry_run(training))
-        return
-    result = training.run(options.out, options)
-    print(f"{result.reason}: {result.samples} frames seen; {result.weights}")

@@ -1,0 +1,34 @@
+"""A mission with what a command line says otherwise."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from proxnav.errors import InputError
+from proxnav.geometry import Camera
+from proxnav.missions.mission import Mission, Span
+from proxnav.sensor.presets import sensor_by_name
+
+Textures = Literal["none", "mild", "full"]
+STRENGTHS: dict[Textures, Span] = {"none": (0.0, 0.0), "mild": (0.0, 0.3), "full": (0.0, 1.0)}
+"""Limits of the strength of textures in frames drawn one by one."""
+
+
+def changed(
+    mission: Mission, target: str | None = None, camera: Path | None = None, sensor: str | None = None,
+    particles_cm2_s: float | None = None, textures: Textures | None = None,
+) -> Mission:  # fmt: skip
+    """The mission with another target, camera.json, sensor by name, rate of particles or strength of textures."""
+    if camera is not None:
+        mission = replace(mission, camera=Camera.from_speed_json(str(camera)))
+    if sensor is not None:
+        mission = replace(mission, sensor=sensor_by_name(sensor))
+    if particles_cm2_s is not None:
+        if not 0.0 <= particles_cm2_s < 1e6:
+            raise InputError(
+                f"--particles {particles_cm2_s:g}: give a rate per cm2 and s of 0 or more, below a million"
+            )
+        mission = replace(mission, sensor=replace(mission.sensor, particle_rate_cm2_s=particles_cm2_s))
+    if textures is not None:
+        mission = replace(mission, looks=replace(mission.looks, textures=STRENGTHS[textures]))
+    return mission if target is None else replace(mission, target=target)
