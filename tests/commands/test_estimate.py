@@ -48,7 +48,7 @@ def test_a_picture_of_another_size_is_named(folder, capsys):
 
 
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(folder, monkeypatch, capsys):
-    monkeypatch.setattr(estimate, "estimate_images", lambda *_: pytest.fail("worked for nothing"))
+    monkeypatch.setattr("proxnav.estimation.estimate_images", lambda *_: pytest.fail("worked for nothing"))
     assert main(["estimate", str(folder), "--out", str(folder)]) == 1
     assert "is a folder" in capsys.readouterr().err
 

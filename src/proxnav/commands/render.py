@@ -7,8 +7,7 @@ from typing import Annotated
 import tyro
 
 from proxnav.cli.options import WorkerOptions
-from proxnav.missions.changes import Textures
-from proxnav.records import SceneSpec
+from proxnav.records.scene import SceneSpec, Textures
 from proxnav.rendering.config import FrameConfig, Renderer
 from proxnav.trajectories.readers.config import ReaderConfig
 

@@ -2,16 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
-from proxnav.missions.mission import Mission, Span
+from proxnav.missions.mission import Mission
+from proxnav.records.scene import TEXTURE_STRENGTHS, Textures
 from proxnav.sensor.presets import sensor_by_name
-
-Textures = Literal["none", "mild", "full"]
-STRENGTHS: dict[Textures, Span] = {"none": (0.0, 0.0), "mild": (0.0, 0.3), "full": (0.0, 1.0)}
-"""Limits of the strength of textures in frames drawn one by one."""
 
 
 def changed(
@@ -30,5 +26,5 @@ def changed(
             )
         mission = replace(mission, sensor=replace(mission.sensor, particle_rate_cm2_s=particles_cm2_s))
     if textures is not None:
-        mission = replace(mission, looks=replace(mission.looks, textures=STRENGTHS[textures]))
+        mission = replace(mission, looks=replace(mission.looks, textures=TEXTURE_STRENGTHS[textures]))
     return mission if target is None else replace(mission, target=target)
