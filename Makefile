@@ -16,7 +16,7 @@ demo: $(CORE) blender
 	$(BIN)/proxnav demo --out out/demo
 
 test: $(ALL) blender lint
-	$(BIN)/pytest
+	$(BIN)/pytest -n 2 --dist loadgroup --no-loadscope-reorder
 
 lint: $(ALL)
 	$(BIN)/ruff check $(LINTED)

@@ -8,6 +8,15 @@ import pytest
 from proxnav.datasets.set.dataset import Dataset
 
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+RAY = {"test_ray.py", "test_on_ray.py", "test_flights.py"}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """For `-n 2 --dist loadgroup`: a file's tests share a process, those of Ray one; files that take long come first."""
+    long = {item.path for item in items for mark in ("slow", "blender") if item.get_closest_marker(mark)}
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group("ray" if item.path.name in RAY else str(item.path)))
+    items.sort(key=lambda item: item.path not in long)
 
 
 @pytest.fixture

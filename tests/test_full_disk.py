@@ -14,7 +14,7 @@ from tests.datasets.formats.small_sets import make_dataset
 from tests.detection.test_training import CONFIG, assert_same, learner, source
 
 from proxnav.cli.main import main
-from proxnav.detection.training import train
+from proxnav.detection.training.loop import train
 from proxnav.errors import InputError
 from proxnav.frames import FrameConfig
 from proxnav.missions import load_mission

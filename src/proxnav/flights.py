@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from proxnav.cluster.jobs import POOL
 from proxnav.cluster.many_runs import NamedRun, files_of, run_many
 from proxnav.cluster.progress import Progress, silent
 from proxnav.datasets.sensor_records.record_files import write_records
-from proxnav.flight.simulate import SensingConfig, SimulationConfig, sense, simulate
+from proxnav.flight.simulate import Detector, SensingConfig, SimulationConfig, sense, simulate
 from proxnav.flight.truth import Truth, TruthConfig, simulate_truth
 from proxnav.flight.truth_files import true_states, write_truth
 from proxnav.geometry import Camera
@@ -24,9 +24,6 @@ from proxnav.records import SensorRecords, Trajectory
 from proxnav.storage.files import write_json
 from proxnav.storage.run_record import run_record
 from proxnav.targets import Target
-
-Detector = Literal["modelled", "raycast"]
-"""modelled: keypoints and poses by the statistics of their errors; raycast: frames are rendered and read on the way."""
 
 
 @dataclass(frozen=True)

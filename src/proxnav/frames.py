@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 from proxnav.datasets.set.labelling import label_frame
 from proxnav.geometry.types import Image, Mask
 from proxnav.records import FrameLabel, RenderedFrame, SceneSpec
+from proxnav.rendering.config import FrameConfig
 from proxnav.rendering.cycles.config import CyclesConfig
 from proxnav.rendering.cycles.renderer import CyclesRenderer
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
@@ -14,20 +14,6 @@ from proxnav.sensor.expose import expose
 from proxnav.targets import Target
 from proxnav.targets.keypoints.visibility import visible_keypoints
 from proxnav.targets.loading import load_target
-
-Renderer = Literal["cycles", "raycast"]
-
-
-@dataclass(frozen=True)
-class FrameConfig:
-    """How frames are drawn."""
-
-    renderer: Renderer = "cycles"
-    """Blender's path tracer, or our ray caster: the same scenes, one to two orders of magnitude faster."""
-    samples: int = 32
-    """Cycles: samples per pixel."""
-    threads: int = 0
-    """Cycles: threads per worker; 0 takes all cores."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from proxnav.cli.main import main
-from proxnav.commands import estimate
 from proxnav.datasets.formats.speed_poses import read_poses
+from proxnav.datasets.image_folders import find_images
 from proxnav.errors import InputError
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera
@@ -48,7 +48,7 @@ def test_a_picture_of_another_size_is_named(folder, capsys):
 
 
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(folder, monkeypatch, capsys):
-    monkeypatch.setattr(estimate, "estimate_images", lambda *_: pytest.fail("worked for nothing"))
+    monkeypatch.setattr("proxnav.estimation.estimate_images", lambda *_: pytest.fail("worked for nothing"))
     assert main(["estimate", str(folder), "--out", str(folder)]) == 1
     assert "is a folder" in capsys.readouterr().err
 
@@ -64,4 +64,4 @@ def test_a_data_set_cannot_name_pictures_outside_itself(folder):
     }  # fmt: skip
     (folder / "annotations.json").write_text(json.dumps(document))
     with pytest.raises(InputError, match="leads out of"):
-        estimate.find_images(folder)
+        find_images(folder)

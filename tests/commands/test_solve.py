@@ -108,7 +108,7 @@ def test_images_without_enough_keypoints_keep_their_place_and_status(work: Path)
 
 def test_points_of_a_mat_file_in_columns(work: Path, shared_data: Path) -> None:
     mat = shared_data / "speedplus" / "tangoPoints.mat"
-    from proxnav.commands.solve import target_points
+    from proxnav.targets.named_points import target_points
 
     points = target_points(str(mat))
     assert points.shape == (11, 3)
@@ -120,7 +120,7 @@ def test_points_of_a_mat_file_in_columns(work: Path, shared_data: Path) -> None:
 
 
 def test_a_named_target_and_its_subset(work: Path) -> None:
-    from proxnav.commands.solve import target_points
+    from proxnav.targets.named_points import target_points
 
     assert target_points("space-rider").shape == (24, 3)
     assert target_points("space-rider", "six").shape == (6, 3)

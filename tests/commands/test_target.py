@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from proxnav.cli.main import main
-from proxnav.commands import target as command
-from proxnav.commands.target_accuracy import bound_at, ranges_for
 from proxnav.geometry import Camera
+from proxnav.pose.solve.best_accuracy import bound_at, ranges_for
+from proxnav.targets.cad.from_mesh import unit_in_metres
 from proxnav.targets.loading import load_target
 from proxnav.targets.space_rider import space_rider
 
@@ -77,4 +77,4 @@ def test_the_bound_grows_with_range_as_geometry_says() -> None:
 def test_large_craft_are_judged_from_farther_away(mesh: Path, tmp_path: Path) -> None:
     assert main(["target", "new", str(mesh), "--unit", "0.02", "--out", str(tmp_path / "station")]) == 0
     assert ranges_for(load_target(str(tmp_path / "station")))[0] == 50.0
-    assert command.unit_in_metres("ft") == 0.3048
+    assert unit_in_metres("ft") == 0.3048

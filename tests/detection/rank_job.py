@@ -14,7 +14,9 @@ import torch
 from test_training import CONFIG, loss, source
 from torch import nn
 
-from proxnav.detection.training import Learner, train, warm_up_then_cosine
+from proxnav.detection.training.learner import Learner
+from proxnav.detection.training.loop import train
+from proxnav.detection.training.rates import warm_up_then_cosine
 
 STEPS = 24
 

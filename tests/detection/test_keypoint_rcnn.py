@@ -38,7 +38,7 @@ from proxnav.detection.keypoint_rcnn.train import (
 from proxnav.detection.keypoint_rcnn.views import in_view
 from proxnav.detection.keypoint_rcnn.weights import load_network, packed, save_network, start_from, unpacked
 from proxnav.detection.samples import TrainingSample
-from proxnav.detection.training import LoopConfig
+from proxnav.detection.training.config import LoopConfig
 from proxnav.errors import InputError
 from proxnav.images.crop import Crop
 

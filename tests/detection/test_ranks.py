@@ -12,8 +12,8 @@ import torch
 from safetensors.torch import load_file
 from tests.detection.test_training import CONFIG, learner, source
 
-from proxnav.detection.training import train
 from proxnav.detection.training.curve import read_rows
+from proxnav.detection.training.loop import train
 from proxnav.errors import InputError
 
 JOB = Path(__file__).with_name("rank_job.py")

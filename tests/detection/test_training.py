@@ -13,9 +13,12 @@ from safetensors.torch import load_file
 from torch import nn
 
 from proxnav.detection.samples import TrainingSample
-from proxnav.detection.training import Learner, LoopConfig, train, warm_up_then_cosine
+from proxnav.detection.training.config import LoopConfig
 from proxnav.detection.training.curve import read_rows
 from proxnav.detection.training.files import load_checkpoint, load_weights, save_weights
+from proxnav.detection.training.learner import Learner
+from proxnav.detection.training.loop import train
+from proxnav.detection.training.rates import warm_up_then_cosine
 from proxnav.errors import InputError
 
 CONFIG = LoopConfig(

@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from proxnav.errors import InputError
+from proxnav.geometry import Camera
 from proxnav.records import EarthSpec, SceneSpec, SunSpec
+
+CAMERA = Camera(64, 48, 60.0, 61.0, 32.0, 24.0, (-0.1, 0.02, 0.0, 0.001, 0.0))
 
 
 def scene(index=0, z=10.0):

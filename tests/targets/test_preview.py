@@ -74,7 +74,7 @@ def test_missing_unit_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_unknown_unit_is_refused():
-    from proxnav.commands.target import unit_in_metres
+    from proxnav.targets.cad.from_mesh import unit_in_metres
 
     assert unit_in_metres("0.3") == pytest.approx(0.3)
     with pytest.raises(InputError, match="furlong"):

@@ -3,7 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -38,32 +38,21 @@ Line = dict[str, Any]
 """What is kept of a frame: errors_px, cov_px2, and, where there is a pose, pose_error and pose_covariance."""
 
 
-@dataclass(frozen=True)
-class Instants:
-    """When a frame is taken along the spiral."""
-
-    step_s: float
-    """Time between frames [s]."""
-    burst_every_s: float
-    """Time between bursts [s]."""
-    burst: int
-    """Frames of a burst, one a second."""
-    max_phase_rad: float
-    """Largest angle Sun-target-camera [rad]."""
-
-    def __post_init__(self) -> None:
-        if not self.step_s >= 1.0 or not self.burst_every_s >= self.step_s or self.burst < 0:
-            raise InputError("--step-s must be at least 1, --burst-every-s at least --step-s and --burst at least 0")
+_BURST_EVERY_S = 400.0
+_BURST = 12
+"""Frames of a burst, one a second: they show what lasts for seconds."""
+_MAX_PHASE_RAD = float(np.deg2rad(90.0))
+"""Largest angle Sun-target-camera."""
 
 
 def measure_detector(
-    out: Path, model: str, instants: Instants, workers: int = 1, on: str = POOL, progress: Progress = silent
+    out: Path, model: str, step_s: float, workers: int = 1, on: str = POOL, progress: Progress = silent
 ) -> dict[str, Any]:
     """Shares and time constants of the errors, written as `out/detector.json`.
 
     Every frame is a line of `out/errors.jsonl`, from which an interrupted run goes on.
     """
-    estimator, path, scenes = PoseEstimator.load(model), out / "errors.jsonl", sequence(instants)
+    estimator, path, scenes = PoseEstimator.load(model), out / "errors.jsonl", sequence(step_s)
     before = _read(path)
     waiting = [scene for scene in scenes if scene.t not in before]
     job = SceneEstimateJob(carried_model(model, on), load_target(estimator.target))
@@ -78,13 +67,15 @@ def measure_detector(
     return found
 
 
-def sequence(instants: Instants) -> list[SceneSpec]:
-    """Scenes of the sunlit parts of the spiral 10-100 m at the wanted instants."""
+def sequence(step_s: float) -> list[SceneSpec]:
+    """Scenes of the sunlit parts of the spiral 10-100 m, one every `step_s` and bursts between them."""
+    if not 1.0 <= step_s <= _BURST_EVERY_S:
+        raise InputError(f"--step-s must be between 1 and {_BURST_EVERY_S:g}, found {step_s:g}")
     flight = walking_safety_ellipse(replace(OBSERVATION_10_100_STRICT, step_s=1.0), DAYLIGHT)
-    sunlit = select(flight, observable(flight, instants.max_phase_rad))
+    sunlit = select(flight, observable(flight, _MAX_PHASE_RAD))
     since = sunlit.t - np.maximum.accumulate(np.where(np.diff(sunlit.t, prepend=-np.inf) > 1.5, sunlit.t, -np.inf))
-    in_burst = since % instants.burst_every_s < instants.burst
-    wanted = select(sunlit, in_burst | (since % instants.step_s < 0.5))
+    in_burst = since % _BURST_EVERY_S < _BURST
+    wanted = select(sunlit, in_burst | (since % step_s < 0.5))
     mission = load_mission("spiral-10-100m")
     config = SceneConfig(sensor=mission.sensor, sequence=wanted.source)
     make: Callable[[int], SceneSpec] = lambda k: scene_at(  # noqa: E731

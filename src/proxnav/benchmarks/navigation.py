@@ -4,11 +4,12 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 from proxnav.benchmarks.campaign import Campaign
 from proxnav.benchmarks.filter_speed import measure_speed
 from proxnav.benchmarks.monte_carlo import RunJob, judge_fault, summarise
+from proxnav.benchmarks.navigation_parts import Part
 from proxnav.flight.faults import Fault
 from proxnav.flight.sensors.star_tracker import StarTrackerConfig
 from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
@@ -16,8 +17,6 @@ from proxnav.flight.truth import TruthConfig
 from proxnav.missions import fly, load_mission
 from proxnav.navigation.config import FilterNoise, NavigationConfig
 from proxnav.storage.files import write_json
-
-Part = Literal["consistency", "accuracy", "faults", "speed"]
 
 FAULTS: dict[Fault, float] = {
     "wrong_frames": 900.0, "camera_lost": 1200.0, "gnss_lost": 900.0, "gyro_step": 900.0, "late_camera": 900.0,

@@ -25,6 +25,8 @@ from proxnav.targets.loading import load_target
 MILLION = 1_000_000
 MACHINE = "counting"
 """What workers reach that share nothing but the machine."""
+NODES, CORES = (1, 10, 100), 16
+"""Nodes of the clusters that are predicted, and cores of each node."""
 _WARM, _LEFT = 10, 2
 """Items for each worker before the clock starts, and left when it stops."""
 _HANDED_OVER = 600
@@ -76,10 +78,9 @@ class _Signed:
 
 
 def measure_scale(
-    workers: Sequence[int], places: Sequence[str], series: Series, nodes: Sequence[int], cores: int,
-    progress: Progress = silent,
-) -> dict[str, Any]:  # fmt: skip
-    """Rates of each number of workers in each place, and the hours of a million frames on `nodes` of `cores` each."""
+    workers: Sequence[int], places: Sequence[str], series: Series, progress: Progress = silent
+) -> dict[str, Any]:
+    """Rates of each number of workers in each place, and the hours of a million frames on clusters of `NODES`."""
     for place in places:
         check_place(place)
     if series.frames < 10 or not workers or min(workers) < 1 or not places:
@@ -90,7 +91,7 @@ def measure_scale(
             for count in workers:
                 by_workers[count] = frames_per_s(count, place, series)
                 done()
-    return table(rates, frames_handed_over_per_s(places, series.size), nodes, cores)
+    return table(rates, frames_handed_over_per_s(places, series.size), NODES, CORES)
 
 
 def frames_per_s(workers: int, on: str, series: Series) -> float:

@@ -1,6 +1,6 @@
-"""The commands of the command line: what each does and which function of `proxnav.commands` runs it.
+"""The commands of the command line: what each does and which module of `proxnav.commands` it is.
 
-Such a function takes one frozen dataclass, whose fields are the command's options, and prints what came out.
+Its function `run` takes one frozen dataclass, whose fields are the command's options, and prints what came out.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,6 @@ class Command:
     """What it does, in a line."""
     module: str
     """Module of `proxnav.commands`."""
-    function: str = "run"
     renamed: Mapping[str, str] = field(default_factory=dict)
     """Former spelling of an option to the present one."""
 
@@ -29,14 +28,14 @@ class Group:
 
 
 TRAIN = {
-    "heatmap": Command("our crop network, on fresh ray-cast crops", "train_heatmap", "crop"),
-    "finder": Command("the network that finds the target in the full frame", "train_heatmap", "finder"),
+    "heatmap": Command("our crop network, on fresh ray-cast crops", "train_heatmap"),
+    "finder": Command("the network that finds the target in the full frame", "train_finder"),
     "export": Command("trained networks as a model folder that runs without torch", "train_export"),
     "keypoint-rcnn": Command("the seed study's Keypoint R-CNN", "train_rcnn"),
 }
 TARGET = {
-    "show": Command("size, parts, keypoints and the accuracy they allow; a picture from eight sides", "target", "show"),
-    "new": Command("a target from a mesh file: scale, axes, keypoints, preview", "target", "new"),
+    "show": Command("size, parts, keypoints and the accuracy they allow; a picture from eight sides", "target_show"),
+    "new": Command("a target from a mesh file: scale, axes, keypoints, preview", "target_new"),
 }
 BENCHMARK = {
     "table1": Command("pose errors on the fixed Cycles set, beside the study", "benchmark_table1"),

@@ -44,6 +44,20 @@ class DryRunOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
+class DrawnTrainingOptions(DryRunOptions):
+    """What both networks are asked: images that never repeat, of a target, into a folder."""
+
+    out: Path
+    """Folder of checkpoints, learning curve and weights."""
+    target: str = "space-rider"
+    """Name or file of the target."""
+    workers: int = 1
+    """Processes that draw."""
+    repeats: int = 4
+    """Times that a drawn image is learnt from, each time as another view."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ResultOptions:
     """How a benchmark gives its result."""
 

@@ -26,7 +26,7 @@ class Option:
 
 def function_of(command: Command) -> Callable[[Any], None]:
     """The function that runs a command."""
-    return getattr(import_module(f"proxnav.commands.{command.module}"), command.function)
+    return import_module(f"proxnav.commands.{command.module}").run
 
 
 def config_of(function: Callable[[Any], None]) -> type:

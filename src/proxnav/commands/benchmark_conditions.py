@@ -2,10 +2,7 @@
 
 from dataclasses import dataclass
 
-from proxnav.benchmarks.condition_table import measure_conditions, table
 from proxnav.cli.options import ModelOptions, ResultOptions, WorkerOptions
-from proxnav.cli.progress import progress
-from proxnav.missions import load_mission
 
 
 @dataclass(frozen=True)
@@ -21,7 +18,11 @@ class ConditionsConfig(ModelOptions, WorkerOptions, ResultOptions):
 
 
 def run(config: ConditionsConfig) -> None:
-    """Entry of `proxnav benchmark conditions`."""
+    """Measures and gives the table."""
+    from proxnav.benchmarks.condition_table import measure_conditions, table
+    from proxnav.cli.progress import progress
+    from proxnav.missions import load_mission
+
     found = measure_conditions(
         load_mission(config.preset), config.model, config.frames, config.empty, config.seed, config.backend,
         config.workers, config.on, progress,

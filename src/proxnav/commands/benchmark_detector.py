@@ -4,11 +4,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from proxnav.benchmarks.detector_errors import Instants, measure_detector
 from proxnav.cli.options import WorkerOptions
-from proxnav.cli.progress import progress
 
 
 @dataclass(frozen=True)
@@ -21,17 +17,15 @@ class DetectorBenchmarkConfig(WorkerOptions):
     """Name of a shipped model, or a folder with a model.json."""
     step_s: float = 8.0
     """Time between frames."""
-    burst_every_s: float = 400.0
-    """Time between bursts."""
-    burst: int = 12
-    """Frames of a burst, one a second."""
-    max_phase_deg: float = 90.0
-    """Largest angle Sun-target-camera."""
 
 
 def run(config: DetectorBenchmarkConfig) -> None:
-    """Entry of `proxnav benchmark detector`."""
-    instants = Instants(config.step_s, config.burst_every_s, config.burst, float(np.deg2rad(config.max_phase_deg)))
+    """Measures and prints how long errors last."""
+    from proxnav.benchmarks.detector_errors import measure_detector
+    from proxnav.cli.progress import progress
+
     print(
-        json.dumps(measure_detector(config.out, config.model, instants, config.workers, config.on, progress), indent=1)
+        json.dumps(
+            measure_detector(config.out, config.model, config.step_s, config.workers, config.on, progress), indent=1
+        )
     )

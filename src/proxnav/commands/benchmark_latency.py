@@ -2,11 +2,8 @@
 
 from dataclasses import dataclass
 
-from proxnav.benchmarks.latency import measure_latency, table
 from proxnav.cli.options import ResultOptions
-from proxnav.cli.progress import progress
 from proxnav.detection.sessions import Backend
-from proxnav.missions import load_mission
 
 
 @dataclass(frozen=True)
@@ -26,7 +23,11 @@ class LatencyConfig(ResultOptions):
 
 
 def run(config: LatencyConfig) -> None:
-    """Entry of `proxnav benchmark latency`."""
+    """Measures and gives the table."""
+    from proxnav.benchmarks.latency import measure_latency, table
+    from proxnav.cli.progress import progress
+    from proxnav.missions import load_mission
+
     found = measure_latency(
         config.models, load_mission(config.preset), config.frames, config.reference_frames, config.seed,
         config.backend, config.threads, progress,

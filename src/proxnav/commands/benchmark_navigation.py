@@ -4,10 +4,8 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from proxnav.benchmarks.campaign import Campaign
-from proxnav.benchmarks.navigation import Part, measure_navigation
+from proxnav.benchmarks.navigation_parts import Part
 from proxnav.cli.options import WorkerOptions
-from proxnav.cli.progress import progress
 
 
 @dataclass(frozen=True)
@@ -29,6 +27,10 @@ class NavigationBenchmarkConfig(WorkerOptions):
 
 
 def run(config: NavigationBenchmarkConfig) -> None:
-    """Entry of `proxnav benchmark navigation`."""
+    """Measures and prints the tables."""
+    from proxnav.benchmarks.campaign import Campaign
+    from proxnav.benchmarks.navigation import measure_navigation
+    from proxnav.cli.progress import progress
+
     campaign = Campaign(config.runs, config.seed, config.workers, config.on, config.only, config.out, progress)
     print(json.dumps(measure_navigation(config.parts, campaign), indent=1))

@@ -2,10 +2,7 @@
 
 from dataclasses import dataclass
 
-from proxnav.benchmarks.render import measure_rendering, table
 from proxnav.cli.options import ResultOptions
-from proxnav.cli.progress import progress
-from proxnav.storage.run_record import run_record
 
 
 @dataclass(frozen=True)
@@ -26,6 +23,10 @@ class RenderBenchmarkConfig(ResultOptions):
 
 
 def run(config: RenderBenchmarkConfig) -> None:
-    """Entry of `proxnav benchmark render`."""
+    """Measures and gives the table."""
+    from proxnav.benchmarks.render import measure_rendering, table
+    from proxnav.cli.progress import progress
+    from proxnav.storage.run_record import run_record
+
     rows = measure_rendering(config.sizes, config.frames, config.samples, config.seed, progress)
     config.give({"images_per_s": rows, "record": run_record(config)}, "render", table)

@@ -2,12 +2,9 @@
 
 from dataclasses import dataclass
 
-from proxnav.benchmarks.scale import Series, measure_scale, text
 from proxnav.cli.options import ResultOptions
-from proxnav.cli.progress import progress
 from proxnav.cluster.jobs import POOL
-from proxnav.frames import FrameConfig, Renderer
-from proxnav.storage.run_record import run_record
+from proxnav.rendering.config import FrameConfig, Renderer
 
 
 @dataclass(frozen=True)
@@ -27,14 +24,14 @@ class ScaleBenchmarkConfig(ResultOptions):
     """Cycles: samples per pixel."""
     size: int = 256
     """Side of the image [px]."""
-    nodes: tuple[int, ...] = (1, 10, 100)
-    """Nodes of the prediction."""
-    cores: int = 16
-    """Cores of each node in the prediction."""
 
 
 def run(config: ScaleBenchmarkConfig) -> None:
-    """Entry of `proxnav benchmark scale`."""
+    """Measures and gives the table."""
+    from proxnav.benchmarks.scale import Series, measure_scale, text
+    from proxnav.cli.progress import progress
+    from proxnav.storage.run_record import run_record
+
     series = Series(config.frames, config.size, FrameConfig(config.renderer, config.samples, 1))
-    found = measure_scale(config.workers, config.on, series, config.nodes, config.cores, progress)
+    found = measure_scale(config.workers, config.on, series, progress)
     config.give(found | {"record": run_record(config)}, "scale", text)

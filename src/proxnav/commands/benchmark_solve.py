@@ -3,7 +3,6 @@
 import json
 from dataclasses import dataclass
 
-from proxnav.benchmarks.solve import benchmark_solve
 from proxnav.cli.options import ResultOptions
 
 
@@ -16,5 +15,7 @@ class SolveBenchmarkConfig(ResultOptions):
 
 
 def run(config: SolveBenchmarkConfig) -> None:
-    """Entry of `proxnav benchmark solve`."""
+    """Measures and gives the table."""
+    from proxnav.benchmarks.solve import benchmark_solve
+
     config.give(benchmark_solve(config.cases, config.seed), "solve", lambda found: json.dumps(found, indent=1))

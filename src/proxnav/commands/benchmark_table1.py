@@ -4,12 +4,8 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from proxnav.benchmarks.table1 import measure_table1
 from proxnav.cli.options import ModelOptions, WorkerOptions
-from proxnav.cli.progress import progress
-from proxnav.frames import FrameConfig, Renderer
-from proxnav.missions import load_mission
-from proxnav.missions.scenes import draw_scenes
+from proxnav.rendering.config import FrameConfig, Renderer
 
 
 @dataclass(frozen=True)
@@ -31,7 +27,12 @@ class Table1Config(ModelOptions, WorkerOptions):
 
 
 def run(config: Table1Config) -> None:
-    """Entry of `proxnav benchmark table1`."""
+    """Renders, estimates, and prints the tables."""
+    from proxnav.benchmarks.table1 import measure_table1
+    from proxnav.cli.progress import progress
+    from proxnav.missions import load_mission
+    from proxnav.missions.scenes import draw_scenes
+
     mission = load_mission(config.preset)
     mission = mission if config.target is None else replace(mission, target=config.target)
     judgement = measure_table1(

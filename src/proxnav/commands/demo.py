@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from proxnav.frames import FrameConfig, Renderer
+from proxnav.rendering.config import Renderer
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,7 @@ def run(config: DemoConfig) -> None:
     from proxnav import pipeline
     from proxnav.cli.progress import progress, say_when_compiling
     from proxnav.missions import load_mission
+    from proxnav.rendering.config import FrameConfig
 
     mission, rendering = load_mission(config.preset), FrameConfig(config.renderer, config.samples)
     say_when_compiling("rendering", "pose")

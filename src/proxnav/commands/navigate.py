@@ -8,13 +8,7 @@ from typing import Annotated
 import tyro
 
 from proxnav.cli.options import WorkerOptions
-from proxnav.cli.progress import progress, say_when_compiling
-from proxnav.errors import InputError
-from proxnav.evaluation.flight_accuracy import accuracy_line
-from proxnav.geometry import Camera
 from proxnav.navigation.config import NavigationConfig
-from proxnav.solutions import SolutionOptions, flights_in, solve_flight, solve_flights
-from proxnav.targets.loading import load_target
 
 
 @dataclass(frozen=True)
@@ -44,6 +38,13 @@ class NavigateConfig(WorkerOptions):
 
 def run(config: NavigateConfig) -> None:
     """Solves one flight, or each of a folder."""
+    from proxnav.cli.progress import progress, say_when_compiling
+    from proxnav.errors import InputError
+    from proxnav.evaluation.flight_accuracy import accuracy_line
+    from proxnav.geometry import Camera
+    from proxnav.solutions import SolutionOptions, flights_in, solve_flight, solve_flights
+    from proxnav.targets.loading import load_target
+
     flights = flights_in(config.records)
     if not config.step_s > 0.0:
         raise InputError(f"--step-s must be positive, found {config.step_s:g}")

@@ -20,11 +20,7 @@ class ReportConfig:
 
 
 def run(config: ReportConfig) -> None:
-    """Entry of `proxnav report`."""
-    from proxnav.storage.files import write_atomic
-    from proxnav.viewing.report import report_html
+    """Writes the page."""
+    from proxnav.viewing.run_writer import write_report
 
-    page = report_html(config.run, config.title or config.run.resolve().name)
-    out = config.out or config.run / "report.html"
-    write_atomic(out, page.encode())
-    print(f"report in {out}")
+    print(f"report in {write_report(config.run, config.title or config.run.resolve().name, config.out)}")

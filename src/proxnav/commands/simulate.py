@@ -4,17 +4,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from proxnav.cli.options import WorkerOptions
-from proxnav.cli.progress import progress
-from proxnav.errors import InputError
-from proxnav.flight.simulate import SensingConfig
+from proxnav.flight.simulate import Detector, SensingConfig
 from proxnav.flight.truth import TruthConfig
-from proxnav.flights import Detector, FlightPlan, flight_text, fly_many, write_flight
-from proxnav.missions import fly_mission, load_mission
-from proxnav.models.loading import carried_model
-from proxnav.targets.loading import load_target
-from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig
-from proxnav.trajectories.selection import clip_time
 
 
 @dataclass(frozen=True)
@@ -49,6 +41,15 @@ class SimulateConfig(WorkerOptions):
 
 def run(config: SimulateConfig) -> None:
     """Flies once, or as often as asked for."""
+    from proxnav.cli.progress import progress
+    from proxnav.errors import InputError
+    from proxnav.flights import FlightPlan, flight_text, fly_many, write_flight
+    from proxnav.missions import fly_mission, load_mission
+    from proxnav.models.loading import carried_model
+    from proxnav.targets.loading import load_target
+    from proxnav.trajectories.read import read_trajectory
+    from proxnav.trajectories.selection import clip_time
+
     if config.runs < 1 or config.seed < 0:
         raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
     mission, target = load_mission(config.preset), load_target(config.target)

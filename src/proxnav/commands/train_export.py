@@ -3,9 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from proxnav.cli.progress import progress
-from proxnav.detection.heatmap.config import HeatmapNetConfig, HeatmapSettings
-from proxnav.learning.heatmap_export import export_heatmap_model
+from proxnav.detection.heatmap.config import HeatmapNetConfig
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,11 @@ class ExportConfig:
 
 
 def run(config: ExportConfig) -> None:
-    """Entry of `proxnav train export`."""
+    """Exports and calibrates."""
+    from proxnav.cli.progress import progress
+    from proxnav.detection.heatmap.config import HeatmapSettings
+    from proxnav.learning.heatmap_export import export_heatmap_model
+
     settings = HeatmapSettings(config.side, config.finder_side)
     card = export_heatmap_model(
         config.crop, config.finder, config.out, config.target, config.net, settings, config.calibration,

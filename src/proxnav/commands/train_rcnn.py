@@ -5,11 +5,6 @@ from pathlib import Path
 from typing import Literal
 
 from proxnav.cli.options import DryRunOptions
-from proxnav.cli.progress import progress
-from proxnav.detection.training.ranks import is_first_rank
-from proxnav.learning.dry_run import training_dry_run
-from proxnav.learning.rcnn_export import export_rcnn_model
-from proxnav.learning.rcnn_training import KeypointChoice, RcnnImages, RcnnRecipe, rcnn_training
 
 
 @dataclass(frozen=True)
@@ -57,7 +52,13 @@ class TrainRcnnOptions(DryRunOptions):
 
 
 def run(options: TrainRcnnOptions) -> None:
-    """Entry of `proxnav train keypoint-rcnn`."""
+    """Trains the network and exports it, or says what it would take."""
+    from proxnav.cli.progress import progress
+    from proxnav.detection.training.ranks import is_first_rank
+    from proxnav.learning.dry_run import training_dry_run
+    from proxnav.learning.rcnn_export import export_rcnn_model
+    from proxnav.learning.rcnn_training import KeypointChoice, RcnnImages, RcnnRecipe, rcnn_training
+
     keypoints = KeypointChoice.of(options.target, options.subset)
     images = RcnnImages(options.data, options.validation, options.workers, options.repeats)
     recipe = RcnnRecipe(

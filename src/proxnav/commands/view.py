@@ -1,13 +1,10 @@
 """`proxnav view`: replay of any run, in Rerun's viewer or as a file to send."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import tyro
-
-from proxnav.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -32,38 +29,20 @@ class ViewConfig:
 
 
 def run(config: ViewConfig) -> None:
-    """Entry of `proxnav view`."""
-    if config.every < 1:
-        raise InputError(f"--every {config.every}: expected 1 or more")
+    """Opens the replay, or saves it."""
+    from proxnav.errors import InputError
     from proxnav.storage.files import check_new_file
     from proxnav.viewing.replay.of_run import read_replay
+    from proxnav.viewing.replay.rerun_recording import open_rerun
+    from proxnav.viewing.replay.save import writer_of
 
-    write = None if config.save is None else _writer(config)
-    if config.save is not None:
-        check_new_file(config.save)
-    replay = read_replay(config.run, config.target, config.every)
-    if write is None:
-        from proxnav.viewing.replay.rerun_recording import open_rerun
-
-        open_rerun(replay)
+    if config.every < 1:
+        raise InputError(f"--every {config.every}: expected 1 or more")
+    if config.save is None:
+        open_rerun(read_replay(config.run, config.target, config.every))
         return
+    write = writer_of(config.save, config.fps, config.size)
+    check_new_file(config.save)
+    replay = read_replay(config.run, config.target, config.every)
     write(replay)
     print(f"{len(replay.steps)} steps in {config.save}")
-
-
-def _writer(config: ViewConfig) -> Callable:
-    """What writes the kind of file that the name ends with."""
-    from proxnav.viewing.replay.mcap_export import save_mcap
-    from proxnav.viewing.replay.rerun_recording import save_rerun
-    from proxnav.viewing.replay.video import save_video
-
-    path = config.save
-    assert path is not None
-    kinds: dict[str, Callable] = {
-        ".rrd": lambda replay: save_rerun(replay, path),
-        ".mp4": lambda replay: save_video(replay, path, config.fps, config.size),
-        ".mcap": lambda replay: save_mcap(replay, path),
-    }
-    if path.suffix.lower() not in kinds:
-        raise InputError(f"--save {path}: the name says what to write; end it with {', '.join(kinds)}")
-    return kinds[path.suffix.lower()]

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy.integrate import solve_ivp
-from scipy.signal import lfilter
 
 from proxnav.geometry import quaternion
 from proxnav.geometry.types import QuatWxyz, Vector3
@@ -40,7 +39,7 @@ def wobble(config: WobbleConfig, dt: float, count: int, rng: np.random.Generator
     settle = int(np.ceil(2.0 * config.period_s / dt))
     drive = rng.normal(size=(count + settle, 3)) * config.rate_density * dt**1.5
     keep = 1.0 - 2.0 * DAMPING * w0 * dt
-    errors = np.asarray(lfilter([1.0], [1.0, -(1.0 + keep - (w0 * dt) ** 2), keep], drive, axis=0))
+    errors = np.asarray(scipy.signal.lfilter([1.0], [1.0, -(1.0 + keep - (w0 * dt) ** 2), keep], drive, axis=0))
     return errors[settle:]
 
 
@@ -53,7 +52,7 @@ def tumble(
     def rates(_: float, y: Float[np.ndarray, "7"]) -> Float[np.ndarray, "7"]:
         return np.concatenate([_half_product(y[_Q], y[_W]), euler_acceleration(y[_W], J)])
 
-    found = solve_ivp(
+    found = scipy.integrate.solve_ivp(
         rates, (t[0], t[-1]), np.concatenate([q_eci_target, rate]), method="DOP853", rtol=1e-10, atol=1e-12, t_eval=t
     )
     return quaternion.normalize(found.y[_Q].T)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy.integrate import solve_ivp
 
 from proxnav.geometry.celestial import EARTH_EQUATORIAL_RADIUS, EARTH_J2, EARTH_RATE, MU_EARTH
 from proxnav.geometry.relative_motion import POSITION, VELOCITY
@@ -111,7 +111,9 @@ def _arc(
         a = acceleration(r, v, 0.0, config) + B * drag(r, v, 1.0, config) + push
         return np.concatenate([v, a], axis=1).ravel()
 
-    found = solve_ivp(rates, (start, end), state, method="DOP853", rtol=_RTOL, atol=_ATOL, dense_output=len(t) > 0)
+    found = scipy.integrate.solve_ivp(
+        rates, (start, end), state, method="DOP853", rtol=_RTOL, atol=_ATOL, dense_output=len(t) > 0
+    )
     reached = found.sol(np.clip(t, start, end)).T if len(t) else np.empty((0, 12))
     return reached, found.y[:, -1]
 

@@ -15,6 +15,8 @@ from proxnav.geometry import Camera
 from proxnav.records import SensorRecords, Trajectory
 from proxnav.targets.target import Target
 
+Detector = Literal["modelled", "raycast"]
+"""modelled: keypoints and poses by the statistics of their errors; raycast: frames are rendered and read on the way."""
 Grade = Literal["none", "code", "carrier"]
 
 _GRADES = {"code": CODE_GNSS, "carrier": CARRIER_GNSS}

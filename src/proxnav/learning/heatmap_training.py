@@ -13,7 +13,7 @@ from proxnav.detection.heatmap.train import (
     train_heatmap,
 )
 from proxnav.detection.samples import TrainingSample
-from proxnav.detection.training.config import Validate
+from proxnav.detection.training.learner import Validate
 from proxnav.errors import InputError
 from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, observation
 from proxnav.learning.drawn_stream import sample_source

@@ -8,7 +8,8 @@ from typing import Literal
 from proxnav.datasets.shards import is_sharded
 from proxnav.detection.keypoint_rcnn.train import TrainKeypointRcnnConfig, study, study_small, train_keypoint_rcnn
 from proxnav.detection.samples import SampleSource, TrainingSample, with_keypoints
-from proxnav.detection.training.config import LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.config import LoopConfig
+from proxnav.detection.training.learner import TrainingResult, Validate
 from proxnav.errors import InputError
 from proxnav.geometry.types import Points
 from proxnav.learning.crops import CropConfig, MixedJob, observation

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from proxnav.detection.samples import SampleSource, TrainingSample
-from proxnav.detection.training.config import LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.config import LoopConfig
+from proxnav.detection.training.learner import TrainingResult, Validate
 from proxnav.storage.files import write_json
 from proxnav.storage.run_record import run_record
 

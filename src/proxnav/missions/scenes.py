@@ -1,7 +1,11 @@
 """The scenes of a mission: drawn one by one from its ranges, or along a trajectory."""
 
+from dataclasses import replace
+from pathlib import Path
+
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
+from proxnav.missions.flights import fly_mission
 from proxnav.missions.mission import Mission
 from proxnav.records import SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
@@ -9,6 +13,21 @@ from proxnav.scenes.random_scene import random_scene
 from proxnav.trajectories.selection import observable, select, spread
 
 LARGEST_SIDE_PX = 16_384
+
+
+def mission_scenes(
+    mission: Mission, frames: int | None, seed: int, size: int | None = None, trajectory: Trajectory | None = None
+) -> list[SceneSpec]:
+    """Scenes along a trajectory or the mission's own flight; drawn one by one where there is neither.
+
+    Without a number of frames there are as many as the mission says.
+    """
+    count = mission.frames if frames is None else frames
+    if trajectory is None and mission.flight.trajectory:
+        trajectory = fly_mission(mission)
+    if trajectory is None:
+        return draw_scenes(mission, count, seed, size)
+    return follow(trajectory, mission, count, seed, size)
 
 
 def draw_scenes(mission: Mission, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:
@@ -36,6 +55,19 @@ def follow(
 def _check_order(frames: int, seed: int) -> None:
     if frames < 1 or seed < 0:
         raise InputError(f"a set needs at least 1 frame and a seed from 0 on, found {frames} frames and seed {seed}")
+
+
+def under_clouds(scenes: list[SceneSpec], picture: Path | None) -> list[SceneSpec]:
+    """The scenes with a picture's cloud over their Earth, equirectangular, white where opaque; unchanged for None."""
+    if picture is None:
+        return scenes
+    if not picture.is_file():
+        raise InputError(f"{picture}: no such file; --clouds names an equirectangular picture of cloud")
+    image = str(picture.resolve())
+    return [
+        scene if scene.earth is None else replace(scene, earth=replace(scene.earth, cloud_image=image))
+        for scene in scenes
+    ]
 
 
 def resized(camera: Camera, size: int | None) -> Camera:

@@ -1,7 +1,7 @@
 """What the camera looks at, as plain data: one SceneSpec holds all that a frame depends on, in the target's frame."""
 
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
-from typing import Any, get_type_hints
+from typing import Any, Literal, get_type_hints
 
 import numpy as np
 
@@ -49,6 +49,11 @@ class EarthSpec:
     city_lights: bool = True
     cloud_image: str = ""
     """Equirectangular picture of cloud, white where it is opaque, in place of procedural weather and its cover."""
+
+
+Textures = Literal["none", "mild", "full"]
+TEXTURE_STRENGTHS: dict[Textures, tuple[float, float]] = {"none": (0.0, 0.0), "mild": (0.0, 0.3), "full": (0.0, 1.0)}
+"""Limits of how far the target's surfaces depart from nominal in frames drawn one by one."""
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,13 @@
 """A contact sheet of a target: views from eight sides with keypoints, names and a metre rule."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import cv2
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from proxnav.errors import InputError
 from proxnav.geometry.arrays import unit
 from proxnav.targets.keypoints.visibility import HIT_TOLERANCE, first_faces, occluded
 from proxnav.targets.target import Target
@@ -45,6 +47,17 @@ def contact_sheet(target: Target, size_px: int = 480, columns: int = 4) -> Image
     rows = [np.hstack(tiles[i : i + columns]) for i in range(0, len(tiles), columns)]
     width = rows[0].shape[1]
     return np.vstack([_title(target, width), *rows, _legend(target, width)])
+
+
+def write_contact_sheet(target: Target, path: Path, size_px: int) -> None:
+    """Writes all views as a PNG or JPEG file."""
+    if path.suffix.lower() not in (".png", ".jpg"):
+        raise InputError(f"--out {path}: the preview is a picture; name it .png or .jpg")
+    if not 100 <= size_px <= 4000:
+        raise InputError(f"--size {size_px}: expected 100 to 4000 px")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not cv2.imwrite(str(path), contact_sheet(target, size_px)):
+        raise InputError(f"{path}: cannot be written")
 
 
 def _views(target: Target, width: int) -> list[_View]:

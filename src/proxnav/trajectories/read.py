@@ -40,6 +40,8 @@ Times = Float[np.ndarray, "n"]
 
 _FARTHEST_M = 2e9  # beyond Earth's sphere of influence
 _SLOWEST_MPS = 1e-3
+_SAME_AXES = (1.0, 0.0, 0.0, 0.0)
+"""The model's axes are the body axes whose attitude the file gives."""
 
 
 def read_trajectory(
@@ -59,7 +61,6 @@ def read_trajectory(
     target, chaser = _roles([h for h in orbits if h.frame.kind != "ric"], config)
     relative = next((h for h in orbits if h.frame.kind == "ric"), None)
     attitude_target, attitude_chaser = _attitude_roles(attitudes, target, chaser, config)
-    attitude_target = attitude_target if config.use_target_attitude else None
     attitude_chaser = attitude_chaser if config.q_chaser_cam is not None else None
     used = [h for h in (target, relative or chaser, attitude_target, attitude_chaser) if h is not None]
     epoch = used[0].epoch
@@ -73,9 +74,8 @@ def read_trajectory(
         t,
         state_target,
         state_chaser,
-        q_eci_target=_attitude(attitude_target, epoch, t, state_target, config.q_body_target),
+        q_eci_target=_attitude(attitude_target, epoch, t, state_target, _SAME_AXES),
         q_eci_cam=_attitude(attitude_chaser, epoch, t, state_chaser, config.q_chaser_cam),
-        pointing=config.pointing,
         source=_names(paths),
     )
 

@@ -1,5 +1,6 @@
-"""Trajectories as files for other tools: STK .e and .a, CCSDS OEM and AEM, in ICRF, units and order always declared."""
+"""Trajectories as files for other tools: STK, CCSDS and csv, in ICRF, units and order always declared."""
 
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Literal
 
@@ -46,6 +47,25 @@ def aem(trajectory: Trajectory, craft: Craft) -> str:
     kind = ["ATTITUDE_TYPE = QUATERNION", "QUATERNION_TYPE = LAST"]
     head = [*_ccsds_head("AEM", "1.0", trajectory, craft), *frames, *_ccsds_times(stamps), *kind, "META_STOP"]
     return "\n".join([*head, "", "DATA_START", *rows, "DATA_STOP", ""])
+
+
+def csv(trajectory: Trajectory, orbits: Sequence[Craft], attitudes: Sequence[Craft]) -> str:
+    """Content of a csv whose headers say object, frame and unit.
+
+    UTC, then position [m] and velocity [m/s] of each orbit, then the attitudes' quaternions (body to ECI).
+    """
+    epoch = parse_iso(trajectory.epoch_utc)
+    header, blocks = ["Time (UTC)"], [np.empty((len(trajectory), 0))]
+    for craft in orbits:
+        header += [f"ECI {axis}_{craft} (m)" for axis in "XYZ"] + [f"ECI V{axis}_{craft} (m/s)" for axis in "xyz"]
+        blocks += _states(trajectory, craft)
+    for craft in attitudes:
+        header += [f"q{axis}_{craft}" for axis in "wxyz"]
+        blocks.append(_attitudes(trajectory, craft))
+    numbers = np.concatenate(blocks, axis=1)
+    stamps = [epoch.plus(float(t)).iso(9) for t in trajectory.t]
+    rows = [",".join([stamp, *map(repr, row)]) for stamp, row in zip(stamps, numbers.tolist(), strict=True)]
+    return "\n".join([",".join(header), *rows, ""])
 
 
 def _states(trajectory: Trajectory, craft: Craft) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:

@@ -1,7 +1,10 @@
-"""Dimensions of the two networks and the settings that a model card keeps; needs no torch."""
+"""Dimensions of the two networks, how they are trained, and the settings that a model card keeps; needs no torch."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
+
+from proxnav.detection.training.config import LoopConfig
 
 Trunk = Literal["resnet10", "resnet18", "resnet34", "resnet50", "mobilenet"]
 
@@ -28,3 +31,24 @@ class HeatmapSettings:
     """Factor on the standard deviations of keypoints, from calibration on validation frames."""
     passes: int = 2
     """2 crops once more where the pose of the first crop puts the target."""
+
+
+@dataclass(frozen=True)
+class TrainHeatmapConfig:
+    """How the crop network is trained."""
+
+    net: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
+    loop: LoopConfig = field(default_factory=lambda: LoopConfig(steps=8000, batch_size=32, log_every=50))
+    rate: float = 1e-3
+    start: Path | None = None
+    """Weights (safetensors) to start from, such as those of a smaller side."""
+
+
+@dataclass(frozen=True)
+class TrainFinderConfig:
+    """How the finder is trained."""
+
+    loop: LoopConfig = field(default_factory=lambda: LoopConfig(steps=1500, batch_size=16, log_every=50))
+    rate: float = 1e-3
+    start: Path | None = None
+    """Weights (safetensors) to start from."""

@@ -1,7 +1,7 @@
 """Training the crop network on samples that never repeat."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -11,40 +11,20 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from proxnav.detection.heatmap.augment import augment
-from proxnav.detection.heatmap.config import HeatmapNetConfig
+from proxnav.detection.heatmap.config import TrainFinderConfig, TrainHeatmapConfig
 from proxnav.detection.heatmap.decode import decode
 from proxnav.detection.heatmap.finder import TRUNK, WIDTH, FinderNet
 from proxnav.detection.heatmap.loss import keypoint_loss
 from proxnav.detection.heatmap.network import HeatmapNet
 from proxnav.detection.heatmap.pyramid import STRIDE, as_channels_last
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
-from proxnav.detection.training.config import SEED, Learner, LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.config import SEED
 from proxnav.detection.training.files import load_weights
+from proxnav.detection.training.learner import Learner, TrainingResult, Validate
 from proxnav.detection.training.loop import train
 from proxnav.detection.training.rates import warm_up_then_cosine
 
 _WEIGHT_DECAY = 0.02
-
-
-@dataclass(frozen=True)
-class TrainHeatmapConfig:
-    """How the crop network is trained."""
-
-    net: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
-    loop: LoopConfig = field(default_factory=lambda: LoopConfig(steps=8000, batch_size=32, log_every=50))
-    rate: float = 1e-3
-    start: Path | None = None
-    """Weights (safetensors) to start from, such as those of a smaller side."""
-
-
-@dataclass(frozen=True)
-class TrainFinderConfig:
-    """How the finder is trained."""
-
-    loop: LoopConfig = field(default_factory=lambda: LoopConfig(steps=1500, batch_size=16, log_every=50))
-    rate: float = 1e-3
-    start: Path | None = None
-    """Weights (safetensors) to start from."""
 
 
 def train_heatmap(

@@ -14,9 +14,10 @@ from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
 from proxnav.detection.keypoint_rcnn.views import in_view, padded, whole, zoomed
 from proxnav.detection.keypoint_rcnn.weights import DETECTOR, start_from
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
-from proxnav.detection.training import Learner, LoopConfig, Rate, TrainingResult, Validate, train
-from proxnav.detection.training.config import SEED
-from proxnav.detection.training.rates import per_epoch, warm_up_then_cosine
+from proxnav.detection.training.config import SEED, LoopConfig
+from proxnav.detection.training.learner import Learner, TrainingResult, Validate
+from proxnav.detection.training.loop import train
+from proxnav.detection.training.rates import Rate, per_epoch, warm_up_then_cosine
 from proxnav.errors import InputError
 
 

@@ -16,11 +16,12 @@ from torch import Tensor, nn
 
 from proxnav.detection.samples import SampleSource
 from proxnav.detection.training.average import averaged_copy, update_average
-from proxnav.detection.training.config import SEED, Learner, LoopConfig, TrainingResult, Validate
+from proxnav.detection.training.config import SEED, LoopConfig
 from proxnav.detection.training.curve import append_row, cut_after
 from proxnav.detection.training.feed import ahead, batches
 from proxnav.detection.training.files import load_checkpoint, save_checkpoint, save_weights
 from proxnav.detection.training.interrupt import stop_requested
+from proxnav.detection.training.learner import Learner, TrainingResult, Validate
 from proxnav.detection.training.progress import Meter, Show, progress_bar
 from proxnav.detection.training.random_state import random_state, restore_random_state
 from proxnav.detection.training.ranks import any_rank, is_first_rank, launched, mean_over_ranks, reseed

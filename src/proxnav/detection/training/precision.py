@@ -4,7 +4,7 @@ from typing import Literal
 
 import torch
 
-Precision = Literal["auto", "32-true", "bf16-mixed"]
+from proxnav.detection.training.config import Precision
 
 
 def best_precision(wanted: Precision) -> Literal["32-true", "bf16-mixed"]:

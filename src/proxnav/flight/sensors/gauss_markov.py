@@ -1,8 +1,8 @@
 """Errors that forget slowly: first-order Gauss-Markov processes."""
 
 import numpy as np
+import scipy  # loads its parts when they are used: signal takes half a second, and help of a command needs none
 from jaxtyping import Float
-from scipy.signal import lfilter
 
 
 def gauss_markov(
@@ -12,4 +12,4 @@ def gauss_markov(
     keep = np.exp(-dt / tau_s)
     drive = rng.normal(size=shape) * np.sqrt(1.0 - keep * keep)
     drive[0] = rng.normal(size=shape[1:])
-    return sigma * np.asarray(lfilter([1.0], [1.0, -keep], drive, axis=0))
+    return sigma * np.asarray(scipy.signal.lfilter([1.0], [1.0, -keep], drive, axis=0))

@@ -57,6 +57,16 @@ def from_mesh(
     return with_keypoints(target, points, names)
 
 
+def unit_in_metres(unit: str | None) -> float | None:
+    """Metres per unit of a file, from the unit's name or a number; None for None."""
+    if unit is None or unit in UNITS_M:
+        return None if unit is None else UNITS_M[unit]
+    try:
+        return float(unit)
+    except ValueError:
+        raise InputError(f"--unit {unit}: expected {', '.join(UNITS_M)} or metres per unit as a number") from None
+
+
 def file_extents(path: Path, without: Sequence[str] = ()) -> tuple[float, float, float]:
     """Extents along the file's axes x, y, z in its own unit."""
     corners = np.concatenate([part.vertices[np.unique(part.faces)] for part in _kept(path, read_parts(path), without)])

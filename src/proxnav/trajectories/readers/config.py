@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from proxnav.records.scene import Quadruple, Triple
-from proxnav.trajectories.assemble import PointingConfig
 from proxnav.trajectories.generators import DEFAULT_EPOCH
 from proxnav.trajectories.orbit import OrbitConfig
 
@@ -26,8 +25,6 @@ class ReaderConfig:
     """Unit of length of tables that do not say: m or km."""
     velocity_unit: str | None = None
     """Unit of speed of tables that do not say: m/s or km/s."""
-    time_unit: Literal["s", "min", "h", "day"] = "s"
-    """Unit of elapsed times that have none."""
     frame: str | None = None
     """Reference frame of tables that do not say: ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate."""
     quaternion_order: Literal["wxyz", "xyzw"] | None = None
@@ -35,18 +32,12 @@ class ReaderConfig:
     quaternion_direction: Literal["reference_to_body", "body_to_reference"] = "reference_to_body"
     """Sense of a table's quaternions: STK, MATLAB's Aerospace Toolbox and Basilisk turn the reference axes into the
     body's."""
-    q_body_target: Quadruple = (1.0, 0.0, 0.0, 0.0)
-    """Model axes to the body axes whose attitude the file gives, wxyz."""
-    use_target_attitude: bool = True
-    """False flies the target LVLH-fixed even where a file gives its attitude."""
     q_chaser_cam: Quadruple | None = None
     """Camera axes to the chaser's body axes, wxyz; None points the camera at the target whatever the file says."""
     chaser_ric_m: Triple = (0.0, -30.0, 0.0)
     """Place of the chaser, held in the target's RIC frame, where no file gives its orbit."""
     target_orbit: OrbitConfig = field(default_factory=OrbitConfig)
     """Orbit of the target where files give relative motion only."""
-    pointing: PointingConfig = field(default_factory=PointingConfig)
-    """Pointing of the camera where no attitude is used."""
     start_s: float | None = None
     """First instant, seconds past the target file's epoch; None is the first that all files cover."""
     stop_s: float | None = None

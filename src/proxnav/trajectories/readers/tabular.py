@@ -23,7 +23,7 @@ from proxnav.trajectories.readers.history import (
 from proxnav.trajectories.readers.reference_frames import ORBITAL, ReferenceFrame, frame_kind
 from proxnav.trajectories.readers.text import check_times, check_unit_quaternions, fail, number
 from proxnav.trajectories.readers.text_table import TextTable
-from proxnav.trajectories.readers.units import LENGTH, TIME, speed
+from proxnav.trajectories.readers.units import LENGTH, speed
 
 _POSITION, _VELOCITY = ("x", "y", "z"), ("vx", "vy", "vz")
 _RIC, _RIC_RATES = ("radial", "intrack", "crosstrack"), ("radialrate", "intrackrate", "crosstrackrate")
@@ -154,8 +154,8 @@ def _times(table: TextTable, columns: list[Column], config: ReaderConfig) -> tup
         return _dated([_date(table, line, cells[column.index]) for line, cells in table.rows])
     if column.unit and column.factor is None:
         fail(table.path, line, f"unknown time unit '{column.unit}' of column {column.header}; use s or a date")
-    unit = column.factor or TIME[config.time_unit]
-    return parse_iso(config.epoch_utc), unit * _cells(table, column)
+    unit_s = column.factor or 1.0
+    return parse_iso(config.epoch_utc), unit_s * _cells(table, column)
 
 
 def _dated(moments: list[Instant]) -> tuple[Instant, Series]:

@@ -1,0 +1,22 @@
+"""Asks whoever sits at the terminal how large the spacecraft in a mesh file is."""
+
+import sys
+from pathlib import Path
+
+from proxnav.targets.cad.from_mesh import UNITS_M, file_extents
+
+
+def ask_unit(file: Path, without: tuple[str, ...]) -> tuple[str | None, float | None]:
+    """(unit, true length of the largest extent [m]), one of them None; both where nobody sits there."""
+    if not sys.stdin.isatty():
+        return None, None
+    extents = file_extents(file, without)
+    largest = max(extents)
+    print(f"{file}: {' x '.join(f'{v:.4g}' for v in extents)} units; its largest extent would be")
+    for unit, metres in UNITS_M.items():
+        print(f"  {unit:>3}: {largest * metres:.4g} m")
+    answer = input("unit (m, dm, cm, mm, in, ft), or the true length of the largest extent, such as 13.2 m: ").strip()
+    length = answer.removesuffix("m").strip()
+    if answer.endswith("m") and answer not in UNITS_M and length.replace(".", "", 1).isdigit():
+        return None, float(length)
+    return answer, None
