@@ -17,9 +17,10 @@ from pathlib import Path
 
 import psutil
 
-from proxnav.frames import FrameConfig, FrameJob, Renderer
+from proxnav.frames import FrameJob
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
+from proxnav.rendering.config import FrameConfig, Renderer
 
 
 def main() -> int:

@@ -4,7 +4,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from proxnav.benchmarks.campaign import Campaign
 from proxnav.benchmarks.filter_speed import measure_speed

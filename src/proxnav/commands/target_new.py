@@ -40,8 +40,8 @@ def run(config: TargetNewConfig) -> None:
     from proxnav.targets.cad.from_mesh import from_mesh, unit_in_metres
     from proxnav.targets.description import description, second_looks
     from proxnav.targets.keypoints.point_files import load_points
-    from proxnav.targets.loading import save_target
     from proxnav.targets.preview import write_contact_sheet
+    from proxnav.targets.target_files import save_target
 
     unit, length_m = config.unit, config.length_m
     if unit is None and length_m is None:
