@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.errors import InputError
+from proxnav.storage.mat_file import read_matrices
 from proxnav.storage.tables import is_number, read_rows
-from proxnav.targets.cad.mat_file import read_matrices
 
 MAX_BYTES = 16 * 2**20
 MAX_POINTS = 10_000

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from proxnav.targets.cad.mat_file import MAX_BYTES, read_matrices
+from proxnav.storage.mat_file import MAX_BYTES, read_matrices
 
 
 def saved(content: dict, compressed: bool) -> bytes:
@@ -33,10 +33,17 @@ def test_matrices_of_every_type_read_as_scipy_wrote_them(kind: str, compressed: 
         np.testing.assert_array_equal(found[name], array)
 
 
+def test_fields_of_a_structure_read_by_their_path() -> None:
+    inner = {"RadialDistortion": np.array([[-0.1, 0.02]]), "label": "text", "deep": {"K": np.eye(3)}}
+    found = read_matrices(saved({"params": inner, "many": [{"a": 1.0}, {"a": 2.0}]}, True))
+    assert sorted(found) == ["params.RadialDistortion", "params.deep.K"]
+    np.testing.assert_array_equal(found["params.deep.K"], np.eye(3))
+
+
 @settings(max_examples=200, deadline=None)
 @given(st.data(), st.booleans())
 def test_damaged_files_are_values_or_value_errors(data, compressed: bool) -> None:
-    whole = bytearray(saved({"points": np.arange(33.0).reshape(3, 11)}, compressed))
+    whole = bytearray(saved({"points": np.arange(33.0).reshape(3, 11), "s": {"a": np.eye(2)}}, compressed))
     for _ in range(data.draw(st.integers(1, 6))):
         whole[data.draw(st.integers(0, len(whole) - 1))] = data.draw(st.integers(0, 255))
     with contextlib.suppress(ValueError):
