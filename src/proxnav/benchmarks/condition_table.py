@@ -15,6 +15,7 @@ from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.geometry.pose_errors import pose_errors
 from proxnav.missions import Mission
+from proxnav.missions.views import accepted_views
 from proxnav.models.loading import carried_model
 from proxnav.records import PoseResult, SceneSpec
 from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
@@ -47,8 +48,11 @@ def measure_conditions(
 def drawn_sets(mission: Mission, frames: int, empty: int, seed: int) -> dict[str, list[SceneSpec]]:
     """Scenes by condition, and those without a target; every condition has the same views where it can."""
 
+    accept = accepted_views(mission, mission.camera)
+
     def draw(count: int, drawn: RandomSceneConfig, change: Change) -> list[SceneSpec]:
-        return [change(random_scene(k, seed, drawn, mission.target, mission.camera)) for k in range(count)]
+        make = lambda k: random_scene(k, seed, drawn, mission.target, mission.camera, accept=accept)  # noqa: E731
+        return [change(make(k)) for k in range(count)]
 
     sets = {name: draw(frames, drawn, change) for name, (drawn, change) in conditions(mission.scenes).items()}
     return sets | {_EMPTY: draw(empty, mission.scenes, without_target)}

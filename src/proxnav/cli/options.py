@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.detection.sessions import Backend
+from proxnav.missions import Mission, load_mission
 from proxnav.storage.files import write_json
 
 
@@ -36,6 +37,21 @@ class ModelOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MissionOptions:
+    """What is looked at, by which camera, from where and in which light."""
+
+    mission: str = "observation-10-100m"
+    """Name of a shipped mission, or a TOML file: docs/missions.md"""
+    target: str | None = None
+    """Name or file of the target; the mission's when not given."""
+
+    def read_mission(self) -> Mission:
+        """The mission, to the target that is asked for; InputError where there is no such mission."""
+        mission = load_mission(self.mission)
+        return mission if self.target is None else replace(mission, target=self.target)
+
+
+@dataclass(frozen=True, kw_only=True)
 class DryRunOptions:
     """For jobs of hours."""
 
@@ -44,13 +60,11 @@ class DryRunOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DrawnTrainingOptions(DryRunOptions):
+class DrawnTrainingOptions(MissionOptions, DryRunOptions):
     """What both networks are asked: images that never repeat, of a target, into a folder."""
 
     out: Path
     """Folder of checkpoints, learning curve and weights."""
-    target: str = "space-rider"
-    """Name or file of the target."""
     workers: int = 1
     """Processes that draw."""
     repeats: int = 4

@@ -3,11 +3,12 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from proxnav.cli.options import MissionOptions
 from proxnav.detection.heatmap.config import HeatmapNetConfig
 
 
 @dataclass(frozen=True)
-class ExportConfig:
+class ExportConfig(MissionOptions):
     """Writes crop.onnx, finder.onnx, their weights and model.json."""
 
     crop: Path
@@ -16,7 +17,6 @@ class ExportConfig:
     """weights.safetensors of a finder."""
     out: Path
     """Model folder."""
-    target: str = "space-rider"
     side: int = 128
     """Pixels of the crop network's input."""
     finder_side: int = 256
@@ -36,7 +36,7 @@ def run(config: ExportConfig) -> None:
 
     settings = HeatmapSettings(config.side, config.finder_side)
     card = export_heatmap_model(
-        config.crop, config.finder, config.out, config.target, config.net, settings, config.calibration,
+        config.crop, config.finder, config.out, config.read_mission(), config.net, settings, config.calibration,
         config.least_median_score, progress,
     )  # fmt: skip
     assert isinstance(card.settings, HeatmapSettings)

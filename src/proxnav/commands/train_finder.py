@@ -23,7 +23,7 @@ def run(options: TrainFinderOptions) -> None:
     from proxnav.learning.heatmap_training import finder_training
 
     training = finder_training(
-        options.training, options.target, options.side, options.seed, options.workers, options.repeats
+        options.training, options.read_mission(), options.side, options.seed, options.workers, options.repeats
     )
     if options.dry_run:
         print(training_dry_run(training))

@@ -25,7 +25,7 @@ def run(options: TrainCropOptions) -> None:
     from proxnav.learning.heatmap_training import crop_training
 
     training = crop_training(
-        options.training, options.target, options.side, options.seed, options.workers, options.repeats,
+        options.training, options.read_mission(), options.side, options.seed, options.workers, options.repeats,
         options.validation,
     )  # fmt: skip
     if options.dry_run:

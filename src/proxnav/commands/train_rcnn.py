@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from proxnav.cli.options import DryRunOptions
+from proxnav.cli.options import DryRunOptions, MissionOptions
 
 
 @dataclass(frozen=True)
-class TrainRcnnOptions(DryRunOptions):
+class TrainRcnnOptions(MissionOptions, DryRunOptions):
     """Trains Keypoint R-CNN into --out (checkpoints, learning curve), then exports it as a model into --out/model."""
 
     out: Path
@@ -23,8 +23,6 @@ class TrainRcnnOptions(DryRunOptions):
     """Steps; 0 is an epoch of study, 500 of study-small."""
     patience: int = 0
     """Validations without a better one that end the run; 0: no end."""
-    target: str = "space-rider"
-    """Name or file of the target, for images drawn on line."""
     subset: str = "six"
     """Named keypoints of the target; empty takes all."""
     side: int = 320
@@ -59,13 +57,14 @@ def run(options: TrainRcnnOptions) -> None:
     from proxnav.learning.rcnn_export import export_rcnn_model
     from proxnav.learning.rcnn_training import KeypointChoice, RcnnImages, RcnnRecipe, rcnn_training
 
-    keypoints = KeypointChoice.of(options.target, options.subset)
+    mission = options.read_mission()
+    keypoints = KeypointChoice.of(mission.target, options.subset)
     images = RcnnImages(options.data, options.validation, options.workers, options.repeats)
     recipe = RcnnRecipe(
         options.preset, options.side, options.steps, options.minutes, options.validate_every, options.patience,
         options.mask, options.devices, options.start,
     )  # fmt: skip
-    training = rcnn_training(keypoints, images, recipe)
+    training = rcnn_training(mission, keypoints, images, recipe)
     if options.dry_run:
         print(training_dry_run(training))
         return
@@ -74,7 +73,7 @@ def run(options: TrainRcnnOptions) -> None:
         score = f", best mean E_C {result.best_score:.4f}" if options.validation else ""
         print(f"{result.reason}: {result.steps} steps, {result.samples} images{score}; {result.weights}")
         export_rcnn_model(
-            result.model, keypoints, options.out / "model", options.side, options.calibration, options.looks,
+            result.model, mission, keypoints, options.out / "model", options.side, options.calibration, options.looks,
             options.least_median_score, progress,
         )  # fmt: skip
         print(f"model in {options.out / 'model'}")

@@ -17,7 +17,8 @@ from proxnav.geometry.boxes import box_of_mask, box_of_points, cut_at_edges
 from proxnav.geometry.types import Box
 from proxnav.images.crop import Crop, resample
 from proxnav.images.tones import as_8_bit
-from proxnav.missions import Mission, load_mission
+from proxnav.missions import Mission
+from proxnav.missions.views import accepted_views
 from proxnav.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.scenes.random_scene import random_scene
@@ -39,11 +40,6 @@ _SHIFT = 0.12
 """Most offset of the crop's centre over the longer side of the box."""
 _ALIKE = 12
 """Neighbouring samples that share the target's textures: painting them costs more than drawing a crop."""
-
-
-def observation(target: str) -> Mission:
-    """The mission of the shipped models, to another target."""
-    return replace(load_mission("observation-10-100m"), target=target)
 
 
 @dataclass(frozen=True)
@@ -112,7 +108,8 @@ class MixedJob:
 def _scene(index: int, config: CropConfig) -> SceneSpec:
     """Scene `index`, read by a camera of its own, in the textures of its group."""
     mission, draw = config.mission, partial(draw_sensor, base=config.mission.sensor)
-    scene = random_scene(index, config.seed, mission.scenes, mission.target, mission.camera, draw)
+    accept = accepted_views(mission, mission.camera)
+    scene = random_scene(index, config.seed, mission.scenes, mission.target, mission.camera, draw, accept)
     rng = np.random.default_rng([config.seed, index // _ALIKE, 3])
     texture = TextureSpec(rng.uniform(*mission.looks.textures), int(rng.integers(2**31)))
     return replace(scene, texture=texture)

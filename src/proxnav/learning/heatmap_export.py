@@ -16,6 +16,7 @@ from proxnav.learning.pose_calibration import (
     least_median_score,
     spread_scale,
 )
+from proxnav.missions import Mission
 from proxnav.models.card import ModelCard, write_card
 from proxnav.pose.align import AlignConfig
 from proxnav.targets.loading import GENERATED, load_target
@@ -23,19 +24,19 @@ from proxnav.targets.target_files import save_target
 
 
 def export_heatmap_model(
-    crop: Path, finder: Path, out: Path, target_name: str, net: HeatmapNetConfig, settings: HeatmapSettings,
+    crop: Path, finder: Path, out: Path, mission: Mission, net: HeatmapNetConfig, settings: HeatmapSettings,
     calibration: int, least: float | None = None, progress: Progress = silent,
 ) -> ModelCard:  # fmt: skip
     """Writes crop.onnx, finder.onnx, their weights and model.json into `out`.
 
     Covariances are scaled on `calibration` fresh frames; the least median score is measured where `least` is None.
     """
-    target = load_target(target_name)
+    target = load_target(mission.target)
     crop_net = HeatmapNet(net, len(target.keypoint_names))
     _export_networks(crop_net, crop, finder, out, settings)
     card = ModelCard(target.name, target.keypoint_names, target.keypoints_m, settings, network=net)
     write_card(out, card)
-    estimator, frames = PoseEstimator.load(str(out)), CalibrationFrames(target_name, calibration, progress)
+    estimator, frames = PoseEstimator.load(str(out)), CalibrationFrames(mission, calibration, progress)
     least = least_median_score(estimator, frames) if least is None else least
     scale = spread_scale(replace(estimator, least_median_score=least), frames)
     if target.name not in GENERATED:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from torch import nn
 
+from proxnav.detection.heatmap.augment import Turns
 from proxnav.detection.heatmap.train import (
     TrainFinderConfig,
     TrainHeatmapConfig,
@@ -15,26 +16,26 @@ from proxnav.detection.heatmap.train import (
 from proxnav.detection.samples import TrainingSample
 from proxnav.detection.training.learner import Validate
 from proxnav.errors import InputError
-from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob, observation
+from proxnav.learning.crops import CropConfig, CropJob, WholeFrameJob
 from proxnav.learning.drawn_stream import sample_source
 from proxnav.learning.training import Training
+from proxnav.missions import Mission
 from proxnav.targets.loading import load_target
 
 _VALIDATION_SEED = 7_000_001
 
 
 def crop_training(
-    config: TrainHeatmapConfig, target: str, side: int, seed: int, workers: int, repeats: int, validation: int
+    config: TrainHeatmapConfig, mission: Mission, side: int, seed: int, workers: int, repeats: int, validation: int
 ) -> Training:
     """The crop network on ray-cast crops that never repeat, scored on `validation` crops that are kept aside."""
     _check_side(side)
-    mission = observation(target)
     crops = CropConfig(mission.training_mission, side, seed)
-    n_keypoints = len(load_target(target).keypoint_names)
+    n_keypoints = len(load_target(mission.target).keypoint_names)
     kept_aside = CropConfig(mission, side, _VALIDATION_SEED)
     return Training(
         learn=lambda loop, source, out, validate: train_heatmap(
-            replace(config, loop=loop), n_keypoints, source, out, validate
+            replace(config, loop=loop), n_keypoints, source, out, validate, _turns(mission)
         ),
         loop=config.loop,
         draw=CropJob(crops),
@@ -46,13 +47,15 @@ def crop_training(
 
 
 def finder_training(
-    config: TrainFinderConfig, target: str, side: int, seed: int, workers: int, repeats: int
+    config: TrainFinderConfig, mission: Mission, side: int, seed: int, workers: int, repeats: int
 ) -> Training:
     """The finder on ray-cast frames that never repeat."""
     _check_side(side)
-    frames = WholeFrameJob(CropConfig(observation(target).training_mission, side, seed))
+    frames = WholeFrameJob(CropConfig(mission.training_mission, side, seed))
     return Training(
-        learn=lambda loop, source, out, validate: train_finder(replace(config, loop=loop), source, out, validate),
+        learn=lambda loop, source, out, validate: train_finder(
+            replace(config, loop=loop), source, out, validate, _turns(mission)
+        ),
         loop=config.loop,
         draw=frames,
         source=sample_source(frames, workers, repeats),
@@ -60,6 +63,12 @@ def finder_training(
         workers=workers,
         repeats=repeats,
     )
+
+
+def _turns(mission: Mission) -> Turns:
+    """Any turn of a crop is a view of the mission where any roll of the camera is."""
+    view = mission.training_mission.view
+    return "any" if "any" in (view.roll_deg, view.attitude) else "small"
 
 
 def _check_side(side: int) -> None:

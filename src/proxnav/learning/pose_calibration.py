@@ -13,7 +13,8 @@ from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.geometry.types import Image
 from proxnav.learning.alignment_calibration import KEPT, Samples, calibrated
-from proxnav.learning.crops import BEHIND_M, observation
+from proxnav.learning.crops import BEHIND_M
+from proxnav.missions import Mission
 from proxnav.missions.scenes import draw_scenes
 from proxnav.pose.align import AlignConfig
 from proxnav.records import SceneSpec
@@ -25,9 +26,9 @@ _FEWEST = 50
 
 @dataclass(frozen=True)
 class CalibrationFrames:
-    """Fresh frames of a target, the same for every model."""
+    """Fresh frames of a mission, the same for every model."""
 
-    target: str
+    mission: Mission
     count: int
     progress: Progress = silent
 
@@ -44,9 +45,9 @@ class CalibrationFrames:
     def _drawn(
         self, job: str, count: int, seed: int, change: Callable[[SceneSpec], SceneSpec]
     ) -> Iterator[tuple[Image, SceneSpec]]:
-        make = FrameJob(self.target, FrameConfig("raycast"))()
+        make = FrameJob(self.mission.target, FrameConfig("raycast"))()
         with self.progress(job, count) as done:
-            for scene in draw_scenes(observation(self.target), count, seed):
+            for scene in draw_scenes(self.mission, count, seed):
                 yield make(change(scene)).image, scene
                 done()
 

@@ -13,23 +13,24 @@ from proxnav.detection.keypoint_rcnn.network import KeypointRcnn
 from proxnav.detection.keypoint_rcnn.onnx_export import export_onnx
 from proxnav.detection.keypoint_rcnn.predict import predict
 from proxnav.detection.keypoint_rcnn.weights import save_network
-from proxnav.learning.crops import CropConfig, WholeFrameJob, observation
+from proxnav.learning.crops import CropConfig, WholeFrameJob
 from proxnav.learning.rcnn_training import KeypointChoice
+from proxnav.missions import Mission
 from proxnav.models.card import ModelCard, write_card
 
 _SEED = 8_000_002
 
 
 def export_rcnn_model(
-    network: nn.Module, keypoints: KeypointChoice, folder: Path, side: int, frames: int, passes: int, least: float,
-    progress: Progress = silent,
+    network: nn.Module, mission: Mission, keypoints: KeypointChoice, folder: Path, side: int, frames: int, passes: int,
+    least: float, progress: Progress = silent,
 ) -> None:  # fmt: skip
     """Writes the network and its model.json, covariances calibrated on `frames` fresh frames of `side` px.
 
     `least` is the median score of the keypoints found below which there is no pose.
     """
     assert isinstance(network, KeypointRcnn)
-    settings = DetectConfig(passes=passes, calibration=_calibrated(network, keypoints, side, frames, progress))
+    settings = DetectConfig(passes=passes, calibration=_calibrated(network, mission, keypoints, side, frames, progress))
     notes = network.config.to_json()
     save_network(network, folder / "keypoint-rcnn.safetensors", notes)
     export_onnx(network, folder / "keypoint-rcnn.onnx", notes)
@@ -37,10 +38,10 @@ def export_rcnn_model(
 
 
 def _calibrated(
-    network: KeypointRcnn, keypoints: KeypointChoice, side: int, frames: int, progress: Progress
+    network: KeypointRcnn, mission: Mission, keypoints: KeypointChoice, side: int, frames: int, progress: Progress
 ) -> Calibration:
     """Scale and floor of the covariances, from fresh frames in the size that the network sees."""
-    config = CropConfig(observation(keypoints.target), side, _SEED)
+    config = CropConfig(mission, side, _SEED)
     make, errors, spreads = WholeFrameJob(config, empty_share=0.0)(), [], []
     plain = DetectConfig(calibration=Calibration(scale=1.0, floor_px=0.0))
     with progress("calibrate", frames) as done:

@@ -12,11 +12,12 @@ from proxnav.detection.training.config import LoopConfig
 from proxnav.detection.training.learner import TrainingResult, Validate
 from proxnav.errors import InputError
 from proxnav.geometry.types import Points
-from proxnav.learning.crops import CropConfig, MixedJob, observation
+from proxnav.learning.crops import CropConfig, MixedJob
 from proxnav.learning.drawn_stream import sample_source
 from proxnav.learning.labelled_set import learnt_images, sample_reader, set_of_target, source_of
 from proxnav.learning.rcnn_validation import fresh_frames, kept_aside, mean_e_c
 from proxnav.learning.training import Training
+from proxnav.missions import Mission
 from proxnav.targets.loading import load_target
 
 _CROP_SIDE = 160
@@ -83,10 +84,10 @@ class RcnnRecipe:
     """Weights to start from."""
 
 
-def rcnn_training(keypoints: KeypointChoice, images: RcnnImages, recipe: RcnnRecipe) -> Training:
-    """Keypoint R-CNN, ready to be trained."""
+def rcnn_training(mission: Mission, keypoints: KeypointChoice, images: RcnnImages, recipe: RcnnRecipe) -> Training:
+    """Keypoint R-CNN, ready to be trained on the mission's target."""
     config = _config(keypoints, images, recipe)
-    draw = MixedJob(CropConfig(observation(keypoints.target).training_mission, _CROP_SIDE, _DRAW_SEED), recipe.side)
+    draw = MixedJob(CropConfig(mission.training_mission, _CROP_SIDE, _DRAW_SEED), recipe.side)
     if images.data is None:
         source, job = sample_source(draw, images.workers, images.repeats), draw
     else:
@@ -101,7 +102,7 @@ def rcnn_training(keypoints: KeypointChoice, images: RcnnImages, recipe: RcnnRec
         loop=config.loop,
         draw=job,
         source=source,
-        validate=_validate(keypoints, images, config.network.side),
+        validate=_validate(mission, keypoints, images, config.network.side),
         workers=images.workers,
         repeats=images.repeats,
     )
@@ -125,11 +126,11 @@ def _study(keypoints: KeypointChoice, images: RcnnImages) -> TrainKeypointRcnnCo
     return study(learnt_images(set_of_target(images.folder, keypoints.target), images.validation))
 
 
-def _validate(keypoints: KeypointChoice, images: RcnnImages, side: int) -> Validate | None:
+def _validate(mission: Mission, keypoints: KeypointChoice, images: RcnnImages, side: int) -> Validate | None:
     if not images.validation:
         return None
     if images.folder is None:
-        frames = lambda: fresh_frames(keypoints.target, images.validation, side)  # noqa: E731
+        frames = lambda: fresh_frames(mission, images.validation, side)  # noqa: E731
     else:
         dataset = set_of_target(images.folder, keypoints.target)
         frames = lambda: kept_aside(dataset, images.validation)  # noqa: E731

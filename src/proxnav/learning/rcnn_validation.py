@@ -15,7 +15,7 @@ from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.pose_errors import pose_errors
 from proxnav.geometry.types import Image, Points
-from proxnav.missions import load_mission
+from proxnav.missions import Mission
 from proxnav.missions.scenes import draw_scenes
 
 WITHOUT_POSE = 1.0
@@ -32,10 +32,9 @@ class Labelled:
     T_cam_target: Pose
 
 
-def fresh_frames(target: str, count: int, side: int) -> Iterator[Labelled]:
-    """Ray-cast frames of `observation-10-100m`, twice as large as the network is given them."""
-    make = FrameJob(target, FrameConfig("raycast"))()
-    mission = load_mission("observation-10-100m")
+def fresh_frames(mission: Mission, count: int, side: int) -> Iterator[Labelled]:
+    """Ray-cast frames of a mission, twice as large as the network is given them."""
+    make = FrameJob(mission.target, FrameConfig("raycast"))()
     scenes = draw_scenes(mission, count, _SEED, min(2 * side, mission.camera.width))
     return (Labelled(make(scene).image, scene.camera, scene.T_cam_target) for scene in scenes)
 

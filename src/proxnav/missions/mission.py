@@ -4,7 +4,7 @@ Degrees stand here because people write and read missions; what is derived from 
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Literal
 
 from proxnav.errors import InputError
@@ -24,6 +24,11 @@ class ViewRanges:
 
     range_m: Span = (10.0, 100.0)
     """Distance from the camera to the target's origin [m]."""
+    range_spacing: Literal["uniform", "log"] = "uniform"
+    """Distribution of that distance: uniform, or uniform in its logarithm."""
+    least_keypoints: int = 0
+    """Keypoints that lie inside the picture in every frame; where any are asked for, the camera also stays outside the
+    target's convex hull."""
     roll_deg: float | Literal["any"] = "any"
     """Most roll of the camera about its axis, away from the local zenith up in the picture [deg]."""
     attitude: Literal["lvlh", "any"] = "lvlh"
@@ -71,9 +76,16 @@ class TrainingRanges:
     """What training draws from instead of the mission's own ranges: wider, so that the mission lies well inside."""
 
     phase_deg: Span | None = None
-    """As in [light]; the mission's own when absent."""
+    """As in [light]; the mission's own when absent, and so are all others here."""
     textures: Span | None = None
-    """As in [looks]; the mission's own when absent."""
+    """As in [looks]."""
+    range_m: Span | None = None
+    """As in [view], and so are the following."""
+    range_spacing: Literal["uniform", "log"] | None = None
+    roll_deg: float | Literal["any"] | None = None
+    attitude: Literal["lvlh", "any"] | None = None
+    partial: float | None = None
+    least_keypoints: int | None = None
 
 
 @dataclass(frozen=True)
@@ -108,6 +120,7 @@ class Mission:
         return RandomSceneConfig(
             view=ViewpointConfig(
                 range_m=view.range_m,
+                range_spacing=view.range_spacing,
                 roll_limit_rad=math.pi if view.roll_deg == "any" else math.radians(view.roll_deg),
                 partial_share=view.partial,
                 target_radius_m=view.framing_radius_m,
@@ -124,7 +137,12 @@ class Mission:
     @property
     def training_mission(self) -> "Mission":
         """The mission that training frames are drawn from."""
-        wider = self.training
-        light = self.light if wider.phase_deg is None else replace(self.light, phase_deg=wider.phase_deg)
-        looks = self.looks if wider.textures is None else replace(self.looks, textures=wider.textures)
-        return replace(self, light=light, looks=looks)
+        wider = {key: value for key, value in asdict(self.training).items() if value is not None}
+        light = {key: wider.pop(key) for key in ("phase_deg",) if key in wider}
+        looks = {key: wider.pop(key) for key in ("textures",) if key in wider}
+        return replace(
+            self,
+            view=replace(self.view, **wider),
+            light=replace(self.light, **light),
+            looks=replace(self.looks, **looks),
+        )

@@ -7,6 +7,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.missions.flights import fly_mission
 from proxnav.missions.mission import Mission
+from proxnav.missions.views import accepted_views
 from proxnav.records import SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.scenes.random_scene import random_scene
@@ -34,7 +35,8 @@ def draw_scenes(mission: Mission, frames: int, seed: int, size: int | None = Non
     """Scenes of a mission, each a function of (seed, index) alone; `size` resamples the square camera."""
     _check_order(frames, seed)
     camera = resized(mission.camera, size)
-    return [random_scene(index, seed, mission.scenes, mission.target, camera) for index in range(frames)]
+    ranges, accept = mission.scenes, accepted_views(mission, camera)
+    return [random_scene(index, seed, ranges, mission.target, camera, accept=accept) for index in range(frames)]
 
 
 def follow(

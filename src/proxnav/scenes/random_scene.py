@@ -20,6 +20,8 @@ from proxnav.scenes.random_sun import SunConfig, draw_light, draw_sun
 from proxnav.scenes.random_view import ViewpointConfig, draw_view, sees_earth
 
 DrawSensor = Callable[[np.random.Generator], SensorSpec]
+AcceptView = Callable[[Pose], bool]
+"""Whether a view T_cam_target is one that was asked for."""
 
 _NADIR = np.array([0.0, 0.0, 1.0])  # in LVLH axes
 _MAX_TRIES = 2000
@@ -66,10 +68,14 @@ def random_scene(
     target: str,
     camera: Camera,
     draw_sensor: DrawSensor | None = None,
+    accept: AcceptView | None = None,
 ) -> SceneSpec:
-    """Frame `index` of the set `seed`; `draw_sensor` may vary the camera's image chain from frame to frame."""
+    """Frame `index` of the set `seed`, drawn until `accept` takes its view.
+
+    `draw_sensor` may vary the camera's image chain from frame to frame.
+    """
     geometry, looks, sensing = np.random.default_rng([seed, index]).spawn(3)
-    q_target_lvlh, T_cam_target, sun = _draw_geometry(geometry, config, camera)
+    q_target_lvlh, T_cam_target, sun = _draw_geometry(geometry, config, camera, accept)
     sky = quaternion.random(geometry, 2)  # the place over Earth with its heading, and the stars
     return SceneSpec(
         index=index,
@@ -87,7 +93,7 @@ def random_scene(
 
 
 def _draw_geometry(
-    rng: np.random.Generator, config: RandomSceneConfig, camera: Camera
+    rng: np.random.Generator, config: RandomSceneConfig, camera: Camera, accept: AcceptView | None
 ) -> tuple[QuatWxyz, Pose, SunSpec]:
     """(q_target_lvlh, T_cam_target, Sun): drawn together until light, phase and background are the wanted ones."""
     light = draw_light(rng, config.sun)
@@ -100,12 +106,13 @@ def _draw_geometry(
         sun = draw_sun(rng, light, nadir, config.orbit_radius_m)
         wrong_phase = light == "sunlit" and not _lit_as_asked(sun, T_cam_target, config.sun)
         wrong_sky = with_earth is not None and sees_earth(T_cam_target, nadir, camera, dip) != with_earth
-        if not (wrong_phase or wrong_sky):
+        wrong_view = accept is not None and not accept(T_cam_target)
+        if not (wrong_phase or wrong_sky or wrong_view):
             return q_target_lvlh, T_cam_target, sun
     raise InputError(
         f"no scene in {_MAX_TRIES} draws has a phase angle between {config.sun.min_phase_rad:.3g} and "
-        f"{config.sun.max_phase_rad:.3g} rad and earth_share {config.earth_share} at this field of view: widen the "
-        "phase angles or set earth_share to None"
+        f"{config.sun.max_phase_rad:.3g} rad, earth_share {config.earth_share} and the keypoints asked for in the "
+        "picture: widen the phase angles or the ranges, or set earth_share to None"
     )
 
 

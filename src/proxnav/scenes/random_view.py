@@ -1,6 +1,7 @@
 """From where the camera looks: range, side, roll and the target's place in the picture."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -18,7 +19,9 @@ class ViewpointConfig:
     """Viewpoints uniform on the sphere about the target."""
 
     range_m: tuple[float, float] = (10.0, 100.0)
-    """Least and most distance from the camera to the target's origin, uniform in between."""
+    """Least and most distance from the camera to the target's origin."""
+    range_spacing: Literal["uniform", "log"] = "uniform"
+    """Distribution of that distance: uniform, or uniform in its logarithm, which gives near and far their share."""
     roll_limit_rad: float = np.pi
     """Most roll away from LVLH zenith up in the picture; pi is any roll."""
     partial_share: float = 0.1
@@ -36,7 +39,7 @@ class ViewpointConfig:
 
 def draw_view(rng: np.random.Generator, config: ViewpointConfig, camera: Camera, q_target_lvlh: QuatWxyz) -> Pose:
     """T_cam_target of one viewpoint."""
-    range_m = rng.uniform(*config.range_m)
+    range_m = _draw_range(rng, config)
     outward = unit(rng.normal(size=3))
     up, ahead = quaternion.rotate(q_target_lvlh, _ZENITH), quaternion.rotate(q_target_lvlh, _FORWARD)
     q_target_look = q_a_cam_looking(-outward, up, ahead)
@@ -46,6 +49,12 @@ def draw_view(rng: np.random.Generator, config: ViewpointConfig, camera: Camera,
     q_cam_look = quaternion.multiply(shift, quaternion.exp(np.array([0.0, 0.0, roll])))
     q_cam_target = quaternion.multiply(q_cam_look, quaternion.conjugate(q_target_look))
     return Pose.from_wxyz("cam", "target", q_cam_target, range_m * ray)
+
+
+def _draw_range(rng: np.random.Generator, config: ViewpointConfig) -> float:
+    if config.range_spacing == "log":
+        return float(np.exp(rng.uniform(*np.log(config.range_m))))
+    return rng.uniform(*config.range_m)
 
 
 def sees_earth(T_cam_target: Pose, nadir_target: Vector3, camera: Camera, dip_rad: float) -> bool:

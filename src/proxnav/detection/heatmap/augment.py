@@ -4,6 +4,7 @@ No mirroring: the target is chiral, its mirror image is another craft.
 """
 
 from dataclasses import replace
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -16,8 +17,11 @@ TONE_SHARE, BLUR_SHARE, ERASE_SHARE = 0.7, 0.2, 0.25
 GAIN, GAMMA = (0.5, 1.8), (0.6, 1.6)
 """Limits of the log-uniform factor on the counts, and of the log-uniform exponent."""
 BLUR_SIGMA_PX = (0.3, 1.2)
+Turns = Literal["small", "any"]
+"""Rotations of the crop about its centre, each the same as a roll of the camera: small ones, or these on quarter turns,
+which leave a square crop whole."""
 TURN_RAD = 0.35
-"""Most rotation of the crop about its centre: the same as a roll of the camera."""
+"""Most rotation of the small ones."""
 ZOOM = (0.85, 1.2)
 """Limits of the log-uniform scale."""
 SHIFT = 0.06
@@ -26,9 +30,9 @@ ERASE_SIZE = (0.1, 0.4)
 """Limits of the side of a hidden rectangle over the crop's side."""
 
 
-def augment(sample: TrainingSample, rng: np.random.Generator) -> TrainingSample:
+def augment(sample: TrainingSample, rng: np.random.Generator, turns: Turns = "small") -> TrainingSample:
     """The sample under a random similarity and a random change of tones."""
-    sample = moved(sample, rng)
+    sample = moved(sample, rng, turns)
     image = sample.image
     if rng.random() < TONE_SHARE:
         image = _tone(image, rng)
@@ -39,10 +43,12 @@ def augment(sample: TrainingSample, rng: np.random.Generator) -> TrainingSample:
     return replace(sample, image=image)
 
 
-def moved(sample: TrainingSample, rng: np.random.Generator) -> TrainingSample:
+def moved(sample: TrainingSample, rng: np.random.Generator, turns: Turns = "small") -> TrainingSample:
     """The sample under a similarity about its centre; image, mask and keypoints move together, corner origin kept."""
     h, w = sample.image.shape
     turn = TURN_RAD * rng.uniform(-1.0, 1.0)
+    if turns == "any":
+        turn += 0.5 * np.pi * rng.integers(4)
     zoom = np.exp(rng.uniform(*np.log(ZOOM)))
     A = zoom * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     centre = np.array([w, h]) / 2.0

@@ -10,7 +10,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from proxnav.detection.heatmap.augment import augment
+from proxnav.detection.heatmap.augment import Turns, augment
 from proxnav.detection.heatmap.config import TrainFinderConfig, TrainHeatmapConfig
 from proxnav.detection.heatmap.decode import decode
 from proxnav.detection.heatmap.finder import TRUNK, WIDTH, FinderNet
@@ -28,8 +28,9 @@ _WEIGHT_DECAY = 0.02
 
 
 def train_heatmap(
-    config: TrainHeatmapConfig, n_keypoints: int, source: SampleSource, out: Path, validate: Validate | None = None
-) -> TrainingResult:
+    config: TrainHeatmapConfig, n_keypoints: int, source: SampleSource, out: Path, validate: Validate | None = None,
+    turns: Turns = "small",
+) -> TrainingResult:  # fmt: skip
     """Trains the crop network into `out`, resuming where it stopped; the weights are the running average."""
 
     def loss(model: nn.Module, batch: dict[str, Tensor]) -> dict[str, Tensor]:
@@ -38,12 +39,12 @@ def train_heatmap(
 
     torch.manual_seed(SEED)
     notes = {"detector": "heatmap", "n_keypoints": n_keypoints} | asdict(config.net)
-    learner = _learner(HeatmapNet(config.net, n_keypoints), config, loss, notes, n_keypoints)
+    learner = _learner(HeatmapNet(config.net, n_keypoints), config, loss, notes, n_keypoints, turns)
     return train(learner, source, config.loop, out, validate)
 
 
 def train_finder(
-    config: TrainFinderConfig, source: SampleSource, out: Path, validate: Validate | None = None
+    config: TrainFinderConfig, source: SampleSource, out: Path, validate: Validate | None = None, turns: Turns = "small"
 ) -> TrainingResult:
     """Trains the finder into `out` on cross-entropy of each cell and overlap of the whole."""
 
@@ -55,7 +56,7 @@ def train_finder(
 
     torch.manual_seed(SEED)
     notes = {"detector": "finder", "trunk": TRUNK, "width": WIDTH}
-    learner = _learner(FinderNet(), config, loss, notes, None)
+    learner = _learner(FinderNet(), config, loss, notes, None, turns)
     return train(learner, source, config.loop, out, validate)
 
 
@@ -71,6 +72,7 @@ def _learner(
     loss: Callable[[nn.Module, dict[str, Tensor]], dict[str, Tensor]],
     notes: dict[str, Any],
     n_keypoints: int | None,
+    turns: Turns,
 ) -> Learner:
     if config.start is not None:
         load_weights(net, config.start)
@@ -79,7 +81,7 @@ def _learner(
         for sample in samples:
             if n_keypoints is not None:
                 check_keypoint_count(sample, n_keypoints)
-        return batch_of([augment(sample, rng) for sample in samples])
+        return batch_of([augment(sample, rng, turns) for sample in samples])
 
     decayed, free = _by_dimension(net)
     groups = [{"params": decayed, "weight_decay": _WEIGHT_DECAY}, {"params": free, "weight_decay": 0.0}]
