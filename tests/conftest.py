@@ -12,7 +12,7 @@ RAY = {"test_ray.py", "test_on_ray.py", "test_flights.py"}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """For `-n 2 --dist loadgroup`: a file's tests share a process, those of Ray one; files that take long come first."""
+    """For `-n 2 --dist loadgroup`: a file's tests share a process, all of Ray's one; files that take long start."""
     long = {item.path for item in items for mark in ("slow", "blender") if item.get_closest_marker(mark)}
     for item in items:
         item.add_marker(pytest.mark.xdist_group("ray" if item.path.name in RAY else str(item.path)))

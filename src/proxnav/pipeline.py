@@ -7,7 +7,7 @@ from proxnav.cluster.progress import Progress, silent
 from proxnav.estimation import estimate_images
 from proxnav.evaluation.judgement import Judgement, judge
 from proxnav.frames import FrameConfig
-from proxnav.missions import Mission, fly_mission
+from proxnav.missions import MISSION, Mission, fly_mission, write_mission
 from proxnav.missions.scenes import follow
 from proxnav.models.loading import load_model
 from proxnav.rendered_set import render
@@ -36,6 +36,7 @@ def run(
 
     judgement = judge(records, dataset)
 
+    write_mission(out / MISSION, mission)
     write_run(out, judgement, dataset, points_m, keypoints, options)
     write_report(out, f"demo: {mission.name}")
     return judgement

@@ -23,7 +23,7 @@ def camera_file(tmp_path) -> Path:
 @pytest.mark.parametrize("preset", ["observation-10-100m", "approach-100-10m"])
 def test_camera_and_sensor_of_the_user_are_in_every_scene(preset, camera_file, tmp_path):
     config = RenderConfig(
-        tmp_path / "set", preset, frames=3, camera=camera_file, sensor="cmv4000-class-colour", particles=300.0
+        tmp_path / "set", mission=preset, frames=3, camera=camera_file, sensor="cmv4000-class-colour", particles=300.0
     )
     for scene in scenes_of(config):
         assert (scene.camera.width, scene.camera.fx) == (200, 300.0)

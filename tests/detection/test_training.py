@@ -56,7 +56,11 @@ def learner(steps: int = 12, **replaced) -> Learner:
     )
     optimizer = torch.optim.AdamW(model.parameters())
     defaults = dict(
-        model=model, optimizer=optimizer, rate=warm_up_then_cosine(1e-2, steps, 3), collate=collate, loss=loss
+        model=model,
+        optimizer=optimizer,
+        rate=lambda step, share: warm_up_then_cosine(1e-2, 3)(step, step / steps),
+        collate=collate,
+        loss=loss,
     )
     return Learner(**(defaults | replaced))
 
@@ -89,7 +93,15 @@ def test_interrupting_and_resuming_gives_the_weights_of_an_uninterrupted_run(tmp
     assert_same(whole.model.state_dict(), resumed.model.state_dict())
     a, b = (load_checkpoint(tmp_path / name / "checkpoint.pt") for name in ("whole", "parts"))
     assert_same(a["model"], b["model"])
-    assert a["progress"] == b["progress"]
+    assert a["progress"] | {"seconds": 0.0} == b["progress"] | {"seconds": 0.0}
+
+
+def test_the_hours_of_a_training_are_those_of_all_its_parts(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        train(learner(loss=with_interrupt_at(3)), source, replace(CONFIG, hours=1.0), tmp_path)
+    spent = load_checkpoint(tmp_path / "checkpoint.pt")["progress"]["seconds"]
+    result = train(learner(), source, replace(CONFIG, hours=spent / 3600.0), tmp_path)
+    assert (result.reason, result.steps) == ("finished", 4)
 
 
 def test_killed_between_checkpoints_repeats_the_lost_steps(tmp_path: Path) -> None:

@@ -4,7 +4,9 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import tyro
 
 from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.detection.sessions import Backend
@@ -40,7 +42,7 @@ class ModelOptions:
 class MissionOptions:
     """What is looked at, by which camera, from where and in which light."""
 
-    mission: str = "observation-10-100m"
+    mission: Annotated[str, tyro.conf.arg(aliases=("--preset",))] = "observation-10-100m"
     """Name of a shipped mission, or a TOML file: docs/missions.md"""
     target: str | None = None
     """Name or file of the target; the mission's when not given."""

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from proxnav.cli.options import ModelOptions, ResultOptions, WorkerOptions
+from proxnav.cli.options import MissionOptions, ModelOptions, ResultOptions, WorkerOptions
 
 
 @dataclass(frozen=True)
-class ConditionsConfig(ModelOptions, WorkerOptions, ResultOptions):
+class ConditionsConfig(MissionOptions, ModelOptions, WorkerOptions, ResultOptions):
     """Ray-cast frames of the mission under each condition; every condition sees the same views where it can."""
 
     frames: int = 40
@@ -14,17 +14,15 @@ class ConditionsConfig(ModelOptions, WorkerOptions, ResultOptions):
     empty: int = 200
     """Frames without a target."""
     seed: int = 500
-    preset: str = "observation-10-100m"
 
 
 def run(config: ConditionsConfig) -> None:
     """Measures and gives the table."""
     from proxnav.benchmarks.condition_table import measure_conditions, table
     from proxnav.cli.progress import progress
-    from proxnav.missions import load_mission
 
     found = measure_conditions(
-        load_mission(config.preset), config.model, config.frames, config.empty, config.seed, config.backend,
+        config.read_mission(), config.model, config.frames, config.empty, config.seed, config.backend,
         config.workers, config.on, progress,
     )  # fmt: skip
     config.give(found, "conditions", table)

@@ -2,19 +2,18 @@
 
 from dataclasses import dataclass
 
-from proxnav.cli.options import ResultOptions
+from proxnav.cli.options import MissionOptions, ResultOptions
 from proxnav.detection.sessions import Backend
 
 
 @dataclass(frozen=True)
-class LatencyConfig(ResultOptions):
+class LatencyConfig(MissionOptions, ResultOptions):
     """Frames of the mission, ray-cast, estimated by each model and by the reference in turn."""
 
     models: tuple[str, ...] = ("space-rider-fast", "space-rider")
     """Names or folders."""
     frames: int = 20
     seed: int = 300
-    preset: str = "observation-10-100m"
     backend: Backend = "auto"
     threads: int = 0
     """Threads of every runtime; 0 takes all cores."""
@@ -26,10 +25,9 @@ def run(config: LatencyConfig) -> None:
     """Measures and gives the table."""
     from proxnav.benchmarks.latency import measure_latency, table
     from proxnav.cli.progress import progress
-    from proxnav.missions import load_mission
 
     found = measure_latency(
-        config.models, load_mission(config.preset), config.frames, config.reference_frames, config.seed,
+        config.models, config.read_mission(), config.frames, config.reference_frames, config.seed,
         config.backend, config.threads, progress,
     )  # fmt: skip
     config.give(found, "latency", table)

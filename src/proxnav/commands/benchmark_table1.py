@@ -1,24 +1,21 @@
 """`proxnav benchmark table1`: pose errors on a fixed set of Cycles images, beside the study's."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-from proxnav.cli.options import ModelOptions, WorkerOptions
+from proxnav.cli.options import MissionOptions, ModelOptions, WorkerOptions
 from proxnav.rendering.config import FrameConfig, Renderer
 
 
 @dataclass(frozen=True)
-class Table1Config(ModelOptions, WorkerOptions):
+class Table1Config(MissionOptions, ModelOptions, WorkerOptions):
     """Renders the set of a seed once, estimates every image of it, compares with the truth."""
 
     out: Path = Path("out/table1")
     """Folder of the images (kept and reused) and of poses.json, truth.json, metrics.json, overlays/."""
     frames: int = 100
     seed: int = 100
-    preset: str = "observation-10-100m"
-    target: str | None = None
-    """Name or file of the target; the mission's when not given."""
     renderer: Renderer = "cycles"
     samples: int = 32
     """Cycles: samples per pixel."""
@@ -30,13 +27,13 @@ def run(config: Table1Config) -> None:
     """Renders, estimates, and prints the tables."""
     from proxnav.benchmarks.table1 import measure_table1
     from proxnav.cli.progress import progress
-    from proxnav.missions import load_mission
+    from proxnav.missions import MISSION, write_mission
     from proxnav.missions.scenes import draw_scenes
 
-    mission = load_mission(config.preset)
-    mission = mission if config.target is None else replace(mission, target=config.target)
+    mission = config.read_mission()
+    write_mission(config.out / MISSION, mission)
     judgement = measure_table1(
-        config.out, f"{config.preset}-{config.renderer}-{config.frames}-{config.seed}",
+        config.out, f"{mission.name}-{config.renderer}-{config.frames}-{config.seed}",
         draw_scenes(mission, config.frames, config.seed), FrameConfig(config.renderer, config.samples), config.model,
         config, config.backend, config.workers, config.on, progress,
     )  # fmt: skip

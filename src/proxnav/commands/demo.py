@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
+
+import tyro
 
 from proxnav.rendering.config import Renderer
 
@@ -12,8 +15,8 @@ class DemoConfig:
 
     out: Path = Path("out/demo")
     """Folder of the run."""
-    preset: str = "spiral-10-100m"
-    """A mission with a trajectory."""
+    mission: Annotated[str, tyro.conf.arg(aliases=("--preset",))] = "spiral-10-100m"
+    """Name of a shipped mission with a trajectory, or a TOML file: docs/missions.md"""
     frames: int = 12
     renderer: Renderer = "cycles"
     """cycles (Blender) or raycast."""
@@ -31,7 +34,7 @@ def run(config: DemoConfig) -> None:
     from proxnav.missions import load_mission
     from proxnav.rendering.config import FrameConfig
 
-    mission, rendering = load_mission(config.preset), FrameConfig(config.renderer, config.samples)
+    mission, rendering = load_mission(config.mission), FrameConfig(config.renderer, config.samples)
     say_when_compiling("rendering", "pose")
     judgement = pipeline.run(mission, config.frames, config.seed, rendering, config.model, config.out, config, progress)
     print(judgement.text())

@@ -23,8 +23,8 @@ class NavigateConfig(WorkerOptions):
     """Folder with records.json and one csv per sensor, as `proxnav simulate` writes it, or a folder of such folders."""
     out: Path | None = None
     """Folder of the solution; the records folder when not given."""
-    target: str = "space-rider"
-    """Name or file of the target whose keypoints the detector found."""
+    target: str | None = None
+    """Name or file of the target whose keypoints the detector found; the records' mission says it, else space-rider."""
     camera: Path | None = None
     """camera.json with the keys of SPEED+; the one beside the records when not given."""
     truth: Path | None = None
@@ -42,6 +42,7 @@ def run(config: NavigateConfig) -> None:
     from proxnav.errors import InputError
     from proxnav.evaluation.flight_accuracy import accuracy_line
     from proxnav.geometry import Camera
+    from proxnav.missions import mission_in
     from proxnav.solutions import SolutionOptions, flights_in, solve_flight, solve_flights
     from proxnav.targets.loading import load_target
 
@@ -53,7 +54,9 @@ def run(config: NavigateConfig) -> None:
     if find_spec("pyarrow") is None:
         print("solution.parquet is not written: it needs pyarrow (pip install 'proxnav[parquet]')")
     camera = None if config.camera is None else Camera.from_speed_json(config.camera)
-    keypoints_m, out = load_target(config.target).keypoints_m, config.out or config.records
+    mission = mission_in(config.records)
+    target = config.target or ("space-rider" if mission is None else mission.target)
+    keypoints_m, out = load_target(target).keypoints_m, config.out or config.records
     how = SolutionOptions(keypoints_m, camera, config.truth, config.step_s, config.smooth, config.filter)
     say_when_compiling("navigation")
     if not flights:

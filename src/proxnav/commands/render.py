@@ -6,26 +6,23 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import DryRunOptions, WorkerOptions
+from proxnav.cli.options import DryRunOptions, MissionOptions, WorkerOptions
+from proxnav.missions import Mission
 from proxnav.records.scene import SceneSpec, Textures
 from proxnav.rendering.config import FrameConfig, Renderer
 from proxnav.trajectories.readers.config import ReaderConfig
 
 
 @dataclass(frozen=True)
-class RenderConfig(WorkerOptions, DryRunOptions):
+class RenderConfig(MissionOptions, WorkerOptions, DryRunOptions):
     """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
 
     out: Path
     """Folder of the data set."""
-    preset: str = "observation-10-100m"
-    """observation-10-100m, study, spiral-10-100m, approach-100-10m or sroc-200-350m."""
     trajectory: tuple[Path, ...] = ()
     """Trajectory file(s) in place of the mission's: docs/trajectories.md"""
     reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What the trajectory files do not say themselves."""
-    target: str | None = None
-    """Name or file of the target."""
     camera: Path | None = None
     """camera.json of your own camera."""
     sensor: str | None = None
@@ -52,6 +49,7 @@ def run(config: RenderConfig) -> None:
     """Renders the frames, or says what it would take."""
     from proxnav.benchmarks.dry_run import rendering_dry_run
     from proxnav.cli.progress import progress, say_when_compiling
+    from proxnav.missions import MISSION, write_mission
     from proxnav.rendered_set import render
 
     say_when_compiling("rendering")
@@ -61,17 +59,22 @@ def run(config: RenderConfig) -> None:
         return
     with progress("render", len(scenes)) as done:
         dataset = render(scenes, rendering, config.out, config.workers, done, config.on)
+    write_mission(config.out / MISSION, _mission(config))
     print(f"{len(dataset)} frames in {config.out}")
+
+
+def _mission(config: RenderConfig) -> Mission:
+    """The mission with what the command line says otherwise."""
+    from proxnav.missions.changes import changed
+
+    return changed(config.read_mission(), config.camera, config.sensor, config.particles, config.textures)
 
 
 def scenes_of(config: RenderConfig) -> list[SceneSpec]:
     """The scenes that a configuration asks for."""
-    from proxnav.missions import load_mission
-    from proxnav.missions.changes import changed
     from proxnav.missions.scenes import mission_scenes, under_clouds
     from proxnav.trajectories.read import read_trajectory
 
-    mission = load_mission(config.preset)
-    mission = changed(mission, config.target, config.camera, config.sensor, config.particles, config.textures)
     flown = read_trajectory(config.trajectory, config.reader) if config.trajectory else None
+    mission = _mission(config)
     return under_clouds(mission_scenes(mission, config.frames, config.seed, config.size, flown), config.clouds)

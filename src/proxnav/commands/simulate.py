@@ -2,27 +2,28 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
-from proxnav.cli.options import WorkerOptions
+import tyro
+
+from proxnav.cli.options import MissionOptions, WorkerOptions
 from proxnav.flight.simulate import Detector, SensingConfig
 from proxnav.flight.truth import TruthConfig
 from proxnav.trajectories.readers.config import ReaderConfig
 
 
-@dataclass(frozen=True)
-class SimulateConfig(WorkerOptions):
+@dataclass(frozen=True, kw_only=True)
+class SimulateConfig(MissionOptions, WorkerOptions):
     """Flies both craft under J2 and drag near a trajectory and records every sensor as csv, with the truth beside."""
 
     out: Path
     """Folder of the records."""
-    preset: str = "spiral-10-100m"
-    """spiral-10-100m, approach-100-10m, hold-30m or sroc-200-350m."""
+    mission: Annotated[str, tyro.conf.arg(aliases=("--preset",))] = "spiral-10-100m"
+    """Name of a shipped mission with a trajectory, or a TOML file: docs/missions.md"""
     trajectory: tuple[Path, ...] = ()
     """Files in place of the mission's, docs/trajectories.md."""
     reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What the trajectory files do not say themselves."""
-    target: str = "space-rider"
-    """Name or file of the target."""
     start_s: float = 0.0
     """First second of the trajectory to fly."""
     duration_s: float | None = None
@@ -44,7 +45,7 @@ def run(config: SimulateConfig) -> None:
     from proxnav.cli.progress import progress
     from proxnav.errors import InputError
     from proxnav.flights import FlightPlan, flight_text, fly_many, write_flight
-    from proxnav.missions import fly_mission, load_mission
+    from proxnav.missions import MISSION, fly_mission, write_mission
     from proxnav.models.loading import carried_model
     from proxnav.targets.loading import load_target
     from proxnav.trajectories.read import read_trajectory
@@ -52,12 +53,19 @@ def run(config: SimulateConfig) -> None:
 
     if config.runs < 1 or config.seed < 0:
         raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
-    mission, target = load_mission(config.preset), load_target(config.target)
+    mission = config.read_mission()
     whole = read_trajectory(config.trajectory, config.reader) if config.trajectory else fly_mission(mission)
     reference = clip_time(whole, config.start_s, config.duration_s)
     plan = FlightPlan(
-        reference, target, mission.camera, config.detector, config.estimator, config.truth, config.sensing
+        reference,
+        load_target(mission.target),
+        mission.camera,
+        config.detector,
+        config.estimator,
+        config.truth,
+        config.sensing,
     )
+    write_mission(config.out / MISSION, mission)
     if config.runs > 1:
         fly_many(plan, carried_model(config.estimator, config.on), config, progress)
         print(f"{config.runs} flights of {reference.t[-1] - reference.t[0]:.0f} s in {config.out}")

@@ -16,7 +16,7 @@ from proxnav.learning.pose_calibration import (
     least_median_score,
     spread_scale,
 )
-from proxnav.missions import Mission
+from proxnav.missions import MISSION, Mission, write_mission
 from proxnav.models.card import ModelCard, write_card
 from proxnav.pose.align import AlignConfig
 from proxnav.targets.loading import GENERATED, load_target
@@ -36,6 +36,7 @@ def export_heatmap_model(
     _export_networks(crop_net, crop, finder, out, settings)
     card = ModelCard(target.name, target.keypoint_names, target.keypoints_m, settings, network=net)
     write_card(out, card)
+    write_mission(out / MISSION, mission)
     estimator, frames = PoseEstimator.load(str(out)), CalibrationFrames(mission, calibration, progress)
     least = least_median_score(estimator, frames) if least is None else least
     scale = spread_scale(replace(estimator, least_median_score=least), frames)

@@ -15,7 +15,7 @@ from proxnav.detection.keypoint_rcnn.predict import predict
 from proxnav.detection.keypoint_rcnn.weights import save_network
 from proxnav.learning.crops import CropConfig, WholeFrameJob
 from proxnav.learning.rcnn_training import KeypointChoice
-from proxnav.missions import Mission
+from proxnav.missions import MISSION, Mission, write_mission
 from proxnav.models.card import ModelCard, write_card
 
 _SEED = 8_000_002
@@ -35,6 +35,7 @@ def export_rcnn_model(
     save_network(network, folder / "keypoint-rcnn.safetensors", notes)
     export_onnx(network, folder / "keypoint-rcnn.onnx", notes)
     write_card(folder, ModelCard(keypoints.target, keypoints.names, keypoints.points_m, settings, least))
+    write_mission(folder / MISSION, mission)
 
 
 def _calibrated(

@@ -1,7 +1,7 @@
 """Missions: everything that rendering, training, estimation and navigation must agree on, said once."""
 
-from proxnav.missions.files import load_mission, write_mission
+from proxnav.missions.files import MISSION, load_mission, mission_in, write_mission
 from proxnav.missions.flights import fly, fly_mission
 from proxnav.missions.mission import Mission
 
-__all__ = ["Mission", "fly", "fly_mission", "load_mission", "write_mission"]
+__all__ = ["MISSION", "Mission", "fly", "fly_mission", "load_mission", "mission_in", "write_mission"]

@@ -11,10 +11,10 @@ from proxnav.sensor.presets import sensor_by_name
 
 
 def changed(
-    mission: Mission, target: str | None = None, camera: Path | None = None, sensor: str | None = None,
-    particles_cm2_s: float | None = None, textures: Textures | None = None,
+    mission: Mission, camera: Path | None = None, sensor: str | None = None, particles_cm2_s: float | None = None,
+    textures: Textures | None = None,
 ) -> Mission:  # fmt: skip
-    """The mission with another target, camera.json, sensor by name, rate of particles or strength of textures."""
+    """The mission with another camera.json, sensor by name, rate of particles or strength of textures."""
     if camera is not None:
         mission = replace(mission, camera=Camera.from_speed_json(str(camera)))
     if sensor is not None:
@@ -27,4 +27,4 @@ def changed(
         mission = replace(mission, sensor=replace(mission.sensor, particle_rate_cm2_s=particles_cm2_s))
     if textures is not None:
         mission = replace(mission, looks=replace(mission.looks, textures=TEXTURE_STRENGTHS[textures]))
-    return mission if target is None else replace(mission, target=target)
+    return mission

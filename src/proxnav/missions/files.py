@@ -14,6 +14,8 @@ from proxnav.records import SensorSpec
 from proxnav.sensor.presets import SENSORS, sensor_by_name
 from proxnav.storage.files import write_atomic
 
+MISSION = "mission.toml"
+"""Name of the copy that data sets, runs, flights and models carry."""
 SHIPPED = Path(__file__).parent / "shipped"
 _MOST_BYTES = 2**20
 _SECTIONS = {"view": ViewRanges, "light": Lighting, "looks": Looks, "flight": Flight, "training": TrainingRanges}
@@ -38,6 +40,12 @@ def load_mission(name_or_path: str | Path) -> Mission:
     elif not path.is_file():
         raise InputError(f"no mission '{name_or_path}'; one of {', '.join(shipped_missions())}, or a TOML file")
     return parse_mission(_content(path), str(path))
+
+
+def mission_in(folder: Path) -> Mission | None:
+    """The mission that a data set, run, flight or model carries; None where it carries none."""
+    path = folder / MISSION
+    return load_mission(path) if path.is_file() else None
 
 
 def parse_mission(content: dict[str, Any], where: str) -> Mission:

@@ -12,6 +12,7 @@ from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.sessions import Backend, open_session
 from proxnav.errors import InputError
 from proxnav.geometry.types import Box, Image
+from proxnav.missions import Mission, mission_in
 from proxnav.models.card import CARD, ModelCard, card_content, card_from
 from proxnav.records import Keypoints
 from proxnav.targets import Target
@@ -35,6 +36,8 @@ class Model:
     """Keypoints of an image in a crop round a box [px]; None where the detector only searches."""
     shape: Target | None
     """The target whose outline is laid onto images; None where poses are not aligned."""
+    mission: Mission | None
+    """What it was trained for; None for models of release 0.1, which do not say."""
 
 
 def load_model(model: str | Carried, backend: Backend = "auto", threads: int = 0) -> Model:
@@ -74,7 +77,8 @@ def _load(described: Path, backend: Backend, threads: int) -> Model:
     try:
         card = card_from(content, folder)
         detect, detect_in = _detector(folder, card, backend, threads)
-        return Model(card, detect, detect_in, None if card.alignment is None else _shape(folder, card))
+        shape = None if card.alignment is None else _shape(folder, card)
+        return Model(card, detect, detect_in, shape, mission_in(folder))
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, OverflowError) as error:

@@ -88,7 +88,7 @@ def _learner(
     return Learner(
         model=as_channels_last(net),
         optimizer=torch.optim.AdamW(groups, lr=config.rate, betas=(0.9, 0.99), fused=True),
-        rate=warm_up_then_cosine(config.rate, config.loop.steps),
+        rate=warm_up_then_cosine(config.rate),
         collate=collate,
         loss=loss,
         notes=notes,

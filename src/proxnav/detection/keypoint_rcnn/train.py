@@ -146,7 +146,7 @@ def _optimizer(network: nn.Module, config: TrainKeypointRcnnConfig) -> torch.opt
 def _rate(config: TrainKeypointRcnnConfig) -> Rate:
     if config.schedule == "per_epoch":
         return per_epoch(config.rate, 0.98, config.steps_per_epoch)
-    return warm_up_then_cosine(config.rate, config.loop.steps)
+    return warm_up_then_cosine(config.rate)
 
 
 def _check(config: TrainKeypointRcnnConfig) -> None:

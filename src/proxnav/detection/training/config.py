@@ -37,3 +37,6 @@ class LoopConfig:
     """Validations without a better score before the run stops early; 0 never stops."""
     minutes: float = 0.0
     """Stop, resumable, after so long; 0 is no limit."""
+    hours: float = 0.0
+    """Time that the training has in all its parts together, by whose end the learning rate has fallen; 0 counts steps
+    alone."""

@@ -49,6 +49,8 @@ class _Progress:
     best_score: float = math.inf
     stale: int = 0
     """Validations since the best one."""
+    seconds: float = 0.0
+    """Time of all parts of the run together."""
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,12 @@ def _train(
     )  # fmt: skip
     with closing(ahead(feed)) as ready, stop_requested() as stop, progress_bar(config.steps, run.at.step) as show:
         while (reason := _ended(run)) is None:
+            began = time.monotonic()
             with run.meter.waiting():
                 parts: Any = run.fabric.to_device(next(ready))
             _advance(run, parts, show)
+            # All ranks must agree on how much of the time is gone.
+            run.at.seconds += mean_over_ranks(run.fabric, {"seconds": time.monotonic() - began})["seconds"]
             if any_rank(run.fabric, stop()):
                 _save(run)
                 raise KeyboardInterrupt
@@ -118,7 +123,7 @@ def _start(learner: Learner, config: LoopConfig, out: Path, validate: Validate |
 
 
 def _ended(run: _Run) -> Literal["finished", "early_stop", "time"] | None:
-    if run.at.step >= run.config.steps:
+    if _share(run) >= 1.0:
         return "finished"
     if run.config.patience and run.at.stale >= run.config.patience:
         return "early_stop"
@@ -126,11 +131,17 @@ def _ended(run: _Run) -> Literal["finished", "early_stop", "time"] | None:
     return "time" if late else None
 
 
+def _share(run: _Run) -> float:
+    """How much of the training is done, by steps or by time."""
+    by_time = run.at.seconds / (3600.0 * run.config.hours) if run.config.hours else 0.0
+    return max(run.at.step / run.config.steps, by_time)
+
+
 def _advance(run: _Run, parts: list[Any], show: Show) -> None:
     """One step and what is due after it."""
     at, config = run.at, run.config
     reseed(run.fabric, SEED, at.step)
-    rate = run.learner.rate(at.step)
+    rate = run.learner.rate(at.step, _share(run))
     for group in run.learner.optimizer.param_groups:
         group["lr"] = rate * group.get("scale", 1.0)
     terms = take_step(run.fabric, run.model, run.optimizer, run.learner.loss, parts, CLIP_NORM)
