@@ -11,6 +11,7 @@ from proxnav.estimator import PoseEstimator
 from proxnav.flight.truth import Truth
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
+from proxnav.geometry.calibration import N_CALIBRATION
 from proxnav.geometry.types import Box
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.filter_setup import setup_of
@@ -66,6 +67,8 @@ def closed_loop(
 ) -> SensorRecords:
     """The records of the other sensors completed by what the estimator read, frame by frame, guided by the filter.
 
+    Frames are those of a camera that differs from the given one by what is not known of it.
+
     The filter has at each exposure only what has arrived by then. InputError where no frame shows the target.
     """
     estimator = PoseEstimator.load(config.model, threads=config.threads)
@@ -73,12 +76,13 @@ def closed_loop(
     draw = FrameJob(estimator.target, FrameConfig("raycast"))()
     navigator, stream = Navigator(setup, float(truth.t[0])), readings(records, setup)
     flight, look = _flight(truth, k), SceneConfig(sensor=SPEED_CLASS, sequence="closed loop")
+    seen_by = camera.erring(np.random.default_rng(config.seed).normal(size=N_CALIBRATION))
     waiting: list[Reading] = []
     found: list[_Found] = []
     for i, t in enumerate(flight.t.tolist()):
         _hand_over(stream, navigator, t)
         _hand_over(waiting, navigator, t)
-        scene = scene_at(flight, i, index=i, target=estimator.target, camera=camera, config=look, seed=config.seed)
+        scene = scene_at(flight, i, index=i, target=estimator.target, camera=seen_by, config=look, seed=config.seed)
         image, box = draw(scene).image, _expected(navigator, t, estimator, camera)
         frame = _read(estimator, image, camera, box, t)
         if frame is not None:

@@ -70,7 +70,10 @@ class PoseEstimator:
             return keypoints, result
         if found.edge_share < self.alignment.least_edge_share:
             return keypoints, PoseResult.failure("no_consensus", len(result.inliers))
-        return keypoints, replace(result, T_cam_target=found.T_cam_target, covariance=found.covariance)
+        return keypoints, replace(
+            result, T_cam_target=found.T_cam_target, covariance=found.covariance,
+            calibration_moves=found.calibration_moves,
+        )  # fmt: skip
 
     def alignment_of(self, image: Image, camera: Camera) -> Alignment | None:
         """How the pose of an image was laid onto it; None where there is no pose or it stayed that of the keypoints."""
@@ -114,7 +117,7 @@ class PoseEstimator:
         """The keypoint pose laid onto the image."""
         if self.shape is None or result.T_cam_target is None or result.covariance is None:
             return None
-        prior = Prior.of(result.T_cam_target, result.covariance, 1.0 - keypoints.median_score)
+        prior = Prior.of_result(result, 1.0 - keypoints.median_score)
         return align(grey, camera, self.shape, prior, self.alignment)
 
 

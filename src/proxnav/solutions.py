@@ -1,7 +1,7 @@
 """Navigation solutions: records folders through the filter, in this process or as jobs in workers."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors
 from proxnav.evaluation.solution_files import solution_columns
 from proxnav.flight.truth_files import TrueStates, read_truth
 from proxnav.geometry import Camera
+from proxnav.geometry.calibration import CalibrationSigma
 from proxnav.geometry.types import Points
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.filter_setup import setup_of
@@ -36,6 +37,8 @@ class SolutionOptions:
 
     keypoints_m: Points
     camera: Camera | None
+    calibration_sigma: CalibrationSigma
+    """What is not known about the camera; exact: as its file says."""
     truth: Path | None
     step_s: float
     smooth: bool
@@ -75,9 +78,13 @@ def flights_in(folder: Path) -> list[Path]:
 
 def solve_flight(records: Path, how: SolutionOptions, out: Path, progress: Progress = silent) -> FlightSolution:
     """Filters the records and writes the solution into `out`, summary.json last."""
-    camera = how.camera or Camera.from_speed_json(records / "camera.json")
+    beside = records / "camera.json"
+    camera = how.camera or Camera.read(beside)
+    sigma_in_poses = Camera.read(beside).calibration_sigma if beside.is_file() else camera.calibration_sigma
+    if not how.calibration_sigma.is_exact:
+        camera = replace(camera, calibration_sigma=how.calibration_sigma)
     read = read_records(records)
-    setup = setup_of(read.records, how.keypoints_m, camera, how.filter)
+    setup = setup_of(read.records, how.keypoints_m, camera, how.filter, sigma_in_poses)
     frames = read.records.keypoints or read.records.poses
     assert frames is not None
     times = np.arange(frames.t.min(), frames.t.max() + how.step_s, how.step_s)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from proxnav.cli.main import main
-from proxnav.commands.render import RenderConfig, scenes_of
+from proxnav.commands.render import RenderConfig, mission_of, scenes_of
 from proxnav.geometry import Camera
 from proxnav.geometry.camera_files import speed_json
 
@@ -25,7 +25,7 @@ def test_camera_and_sensor_of_the_user_are_in_every_scene(preset, camera_file, t
     config = RenderConfig(
         tmp_path / "set", mission=preset, frames=3, camera=camera_file, sensor="cmv4000-class-colour", particles=300.0
     )
-    for scene in scenes_of(config):
+    for scene in scenes_of(config, mission_of(config)):
         assert (scene.camera.width, scene.camera.fx) == (200, 300.0)
         assert scene.sensor.colour
         assert scene.sensor.bits == 10
@@ -34,7 +34,10 @@ def test_camera_and_sensor_of_the_user_are_in_every_scene(preset, camera_file, t
 
 def test_strength_of_textures_is_within_what_was_asked_for(tmp_path):
     drawn = {kind: RenderConfig(tmp_path, frames=20, textures=kind) for kind in ("none", "mild", "full")}
-    most = {kind: max(scene.texture.strength for scene in scenes_of(config)) for kind, config in drawn.items()}
+    most = {
+        kind: max(scene.texture.strength for scene in scenes_of(config, mission_of(config)))
+        for kind, config in drawn.items()
+    }
     assert most["none"] == 0.0
     assert 0.0 < most["mild"] <= 0.3 < most["full"] <= 1.0
 

@@ -10,6 +10,9 @@ import tyro
 
 from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.detection.sessions import Backend
+from proxnav.geometry import Camera
+from proxnav.geometry.calibration import EXACT, CalibrationSigma
+from proxnav.geometry.camera_files import read_camera_file
 from proxnav.missions import Mission, load_mission
 from proxnav.storage.files import write_json
 
@@ -26,6 +29,34 @@ class WorkerOptions:
     def check(self) -> None:
         """InputError unless so many workers can be had there; the command line asks before it runs the command."""
         check_workers(self.workers, self.on)
+
+
+def camera_from(path: Path) -> Camera:
+    """The camera of a calibration file; prints what was converted or assumed."""
+    found = read_camera_file(path)
+    for note in found.notes:
+        print(f"{path}: {note}")
+    return found.camera
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibrationOptions:
+    """What is not known about the camera."""
+
+    calibration_sigma: CalibrationSigma = EXACT
+    """Goes into every covariance; that of the camera's file when not given."""
+
+    def camera_from(self, path: Path) -> Camera:
+        """The camera of a calibration file; prints what was converted or assumed."""
+        return self.calibrated(camera_from(path))
+
+    def camera_or(self, path: Path | None, otherwise: Camera) -> Camera:
+        """The camera of a calibration file where one is given."""
+        return self.calibrated(otherwise) if path is None else self.camera_from(path)
+
+    def calibrated(self, camera: Camera) -> Camera:
+        """A camera with the errors that the options name, where they name any."""
+        return camera if self.calibration_sigma.is_exact else replace(camera, calibration_sigma=self.calibration_sigma)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,11 +6,11 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import ModelOptions, WorkerOptions
+from proxnav.cli.options import CalibrationOptions, ModelOptions, WorkerOptions
 
 
 @dataclass(frozen=True)
-class EstimateConfig(ModelOptions, WorkerOptions):
+class EstimateConfig(ModelOptions, CalibrationOptions, WorkerOptions):
     """Estimates the pose of the target in every image and writes poses.json (SPEED+ keys, status, covariance)."""
 
     input: Annotated[Path, tyro.conf.Positional]
@@ -18,7 +18,7 @@ class EstimateConfig(ModelOptions, WorkerOptions):
     out: Path = Path("poses.json")
     """File to write."""
     camera: Path | None = None
-    """camera.json (SPEED+ keys); the data set's own when not given."""
+    """Calibration file of the camera; the data set's own when not given."""
     threads: int = 0
     """Threads of the network; 0 takes all cores."""
 
@@ -29,12 +29,11 @@ def run(config: EstimateConfig) -> None:
     from proxnav.datasets.formats.speed_poses import write_poses
     from proxnav.datasets.image_folders import camera_beside, find_images
     from proxnav.estimation import estimate_images
-    from proxnav.geometry import Camera
     from proxnav.storage.files import check_new_file
 
     check_new_file(config.out)
     images = find_images(config.input)
-    camera = Camera.from_speed_json(str(config.camera)) if config.camera else camera_beside(config.input)
+    camera = config.camera_from(config.camera) if config.camera else config.calibrated(camera_beside(config.input))
     say_when_compiling("pose")
     with progress("estimate", len(images)) as done:
         records, _ = estimate_images(

@@ -7,12 +7,12 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import WorkerOptions
+from proxnav.cli.options import CalibrationOptions, WorkerOptions
 from proxnav.navigation.config import NavigationConfig
 
 
 @dataclass(frozen=True)
-class NavigateConfig(WorkerOptions):
+class NavigateConfig(CalibrationOptions, WorkerOptions):
     """Runs the filter over a records folder: solution.csv and .parquet, summary.json.
 
     Where truth is known also errors, and errors.png that shows them in three standard deviations. A folder of flights
@@ -26,7 +26,7 @@ class NavigateConfig(WorkerOptions):
     target: str | None = None
     """Name or file of the target whose keypoints the detector found; the records' mission says it, else space-rider."""
     camera: Path | None = None
-    """camera.json with the keys of SPEED+; the one beside the records when not given."""
+    """Calibration file of the camera; the camera.json beside the records when not given."""
     truth: Path | None = None
     """truth.csv to compare with; the one beside the records when not given."""
     step_s: float = 1.0
@@ -41,7 +41,6 @@ def run(config: NavigateConfig) -> None:
     from proxnav.cli.progress import progress, say_when_compiling
     from proxnav.errors import InputError
     from proxnav.evaluation.flight_accuracy import accuracy_line
-    from proxnav.geometry import Camera
     from proxnav.missions import mission_in
     from proxnav.solutions import SolutionOptions, flights_in, solve_flight, solve_flights
     from proxnav.targets.loading import load_target
@@ -53,11 +52,13 @@ def run(config: NavigateConfig) -> None:
         raise InputError("--truth is of one flight; each of several has its own truth.csv beside its records")
     if find_spec("pyarrow") is None:
         print("solution.parquet is not written: it needs pyarrow (pip install 'proxnav[parquet]')")
-    camera = None if config.camera is None else Camera.from_speed_json(config.camera)
+    camera = None if config.camera is None else config.camera_from(config.camera)
     mission = mission_in(config.records)
     target = config.target or ("space-rider" if mission is None else mission.target)
     keypoints_m, out = load_target(target).keypoints_m, config.out or config.records
-    how = SolutionOptions(keypoints_m, camera, config.truth, config.step_s, config.smooth, config.filter)
+    how = SolutionOptions(
+        keypoints_m, camera, config.calibration_sigma, config.truth, config.step_s, config.smooth, config.filter
+    )
     say_when_compiling("navigation")
     if not flights:
         print(solve_flight(config.records, how, out, progress).text(out))

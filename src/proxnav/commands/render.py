@@ -6,7 +6,7 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import DryRunOptions, MissionOptions, WorkerOptions
+from proxnav.cli.options import CalibrationOptions, DryRunOptions, MissionOptions, WorkerOptions
 from proxnav.missions import Mission
 from proxnav.records.scene import SceneSpec, Textures
 from proxnav.rendering.config import FrameConfig, Renderer
@@ -14,7 +14,7 @@ from proxnav.trajectories.readers.config import ReaderConfig
 
 
 @dataclass(frozen=True)
-class RenderConfig(MissionOptions, WorkerOptions, DryRunOptions):
+class RenderConfig(MissionOptions, CalibrationOptions, WorkerOptions, DryRunOptions):
     """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
 
     out: Path
@@ -24,7 +24,7 @@ class RenderConfig(MissionOptions, WorkerOptions, DryRunOptions):
     reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What the trajectory files do not say themselves."""
     camera: Path | None = None
-    """camera.json of your own camera."""
+    """Calibration file of your own camera."""
     sensor: str | None = None
     """speed-class or cmv4000-class, either also with -colour."""
     particles: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
@@ -53,28 +53,31 @@ def run(config: RenderConfig) -> None:
     from proxnav.rendered_set import render
 
     say_when_compiling("rendering")
-    scenes, rendering = scenes_of(config), FrameConfig(config.renderer, config.samples)
+    mission = mission_of(config)
+    scenes, rendering = scenes_of(config, mission), FrameConfig(config.renderer, config.samples)
     if config.dry_run:
         print(rendering_dry_run(scenes, rendering, config.workers))
         return
     with progress("render", len(scenes)) as done:
         dataset = render(scenes, rendering, config.out, config.workers, done, config.on)
-    write_mission(config.out / MISSION, _mission(config))
+    write_mission(config.out / MISSION, mission)
     print(f"{len(dataset)} frames in {config.out}")
 
 
-def _mission(config: RenderConfig) -> Mission:
+def mission_of(config: RenderConfig) -> Mission:
     """The mission with what the command line says otherwise."""
     from proxnav.missions.changes import changed
 
-    return changed(config.read_mission(), config.camera, config.sensor, config.particles, config.textures)
+    mission = config.read_mission()
+    return changed(
+        mission, config.camera_or(config.camera, mission.camera), config.sensor, config.particles, config.textures
+    )
 
 
-def scenes_of(config: RenderConfig) -> list[SceneSpec]:
-    """The scenes that a configuration asks for."""
+def scenes_of(config: RenderConfig, mission: Mission) -> list[SceneSpec]:
+    """The scenes that a configuration asks for, of its mission."""
     from proxnav.missions.scenes import mission_scenes, under_clouds
     from proxnav.trajectories.read import read_trajectory
 
     flown = read_trajectory(config.trajectory, config.reader) if config.trajectory else None
-    mission = _mission(config)
     return under_clouds(mission_scenes(mission, config.frames, config.seed, config.size, flown), config.clouds)

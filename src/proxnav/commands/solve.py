@@ -7,18 +7,19 @@ from typing import Annotated
 
 import tyro
 
+from proxnav.cli.options import CalibrationOptions
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.keypoint_files import PixelOrigin
 
 
 @dataclass(frozen=True)
-class SolveConfig:
+class SolveConfig(CalibrationOptions):
     """Solves the pose of every image from its keypoints and writes poses.json (SPEED+ keys, status, covariance)."""
 
     keypoints: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="KEYPOINTS")]
     """COCO keypoint results: image_id or file_name, keypoints [x, y, score] * n, optional covariances_px2."""
     camera: Path
-    """camera.json with the keys of SPEED+."""
+    """Calibration file of the camera: OpenCV, ROS, Kalibr, MATLAB, npz, SPEED+ or plain numbers."""
     target: str
     """Name of a target, its file, or a .mat, .json or .csv of 3-D points [m] in the order of the keypoints."""
     out: Path = Path("poses.json")
@@ -34,14 +35,13 @@ def run(config: SolveConfig) -> None:
     """Reads, solves, writes, and says how many images gave no pose."""
     from proxnav.cli.progress import progress
     from proxnav.datasets.formats.speed_poses import write_poses
-    from proxnav.geometry import Camera
     from proxnav.pose.solve.images import check_counts, solve_images
     from proxnav.pose.solve.keypoint_files import read_keypoints
     from proxnav.storage.files import check_new_file
     from proxnav.targets.named_points import target_points
 
     check_new_file(config.out)
-    camera = Camera.from_speed_json(config.camera)
+    camera = config.camera_from(config.camera)
     points_m = target_points(config.target, config.subset)
     keypoints = read_keypoints(config.keypoints, config.pixel_origin)
     named = f"{config.target}, subset '{config.subset}'," if config.subset else config.target

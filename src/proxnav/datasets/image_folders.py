@@ -28,5 +28,5 @@ def camera_beside(source: Path) -> Camera:
     folder = source if source.is_dir() else source.parent
     for candidate in (folder / "camera.json", folder.parent / "camera.json"):
         if candidate.is_file():
-            return Camera.from_speed_json(str(candidate))
+            return Camera.read(candidate)
     raise InputError(f"{source}: no camera.json beside the images; give it with --camera")

@@ -7,7 +7,7 @@
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from proxnav.errors import InputError
 from proxnav.evaluation.label_bounds import label_bound_errors
 from proxnav.geometry import Camera
 from proxnav.geometry.arrays import frozen
+from proxnav.geometry.camera_record import camera_from_record, camera_record
 from proxnav.geometry.types import Points
 from proxnav.records import Keypoints
 from proxnav.storage.files import inside, read_json, write_json
@@ -99,7 +100,7 @@ def write_run_frames(folder: Path, run: RunFrames) -> None:
         "dataset": None if dataset is None else dataset.as_posix(),
         "target": run.target,
         "epoch_utc": run.epoch_utc,
-        "camera": asdict(run.camera),
+        "camera": camera_record(run.camera),
         "keypoints_m": run.keypoints_m.tolist(),
         "frames": [_entry(frame) for frame in run.frames],
     }
@@ -116,11 +117,9 @@ def read_run_frames(folder: Path) -> RunFrames | None:
         raise InputError(f"{path}: not of version {VERSION}; make the run again")
     try:
         points = finite_numbers(content["keypoints_m"], None, f"{path}: keypoints_m").reshape(-1, 3)
-        camera: dict[str, Any] = dict(content["camera"])
-        camera["distortion"] = tuple(camera["distortion"])
         return RunFrames(
             tuple(_frame(entry, len(points)) for entry in content["frames"]),
-            Camera(**camera),
+            camera_from_record(content["camera"]),
             points,
             str(content["target"]),
             str(content["epoch_utc"]),

@@ -12,6 +12,7 @@ from proxnav.flight.sensors.inertial import AccelerometerConfig, GyroConfig, rea
 from proxnav.flight.sensors.star_tracker import StarTrackerConfig, read_star_tracker
 from proxnav.flight.truth import Truth, TruthConfig, simulate_truth
 from proxnav.geometry import Camera
+from proxnav.geometry.calibration import N_CALIBRATION
 from proxnav.records import SensorRecords, Trajectory
 from proxnav.targets.target import Target
 
@@ -53,9 +54,13 @@ def simulate(
 def sense(
     truth: Truth, target: Target, camera: Camera, config: SensingConfig, rng: np.random.Generator
 ) -> SensorRecords:
-    """Readings of all sensors; each draws from a stream of its own, so that leaving one out changes no other."""
+    """Readings of all sensors; each draws from a stream of its own, so that leaving one out changes no other.
+
+    What is not known of the camera is drawn once: keypoints and poses are those of a camera that differs from it.
+    """
     for_keypoints, for_ephemeris, for_gyro, for_forces, for_gnss, for_stars, for_poses = rng.spawn(7)
-    keypoints = read_keypoints(truth, target, camera, config.detector, for_keypoints)
+    errors = rng.normal(size=N_CALIBRATION) if not camera.calibration_sigma.is_exact else np.zeros(N_CALIBRATION)
+    keypoints = read_keypoints(truth, target, camera, config.detector, for_keypoints, errors)
     gnss = _GRADES.get(config.gnss)
     return SensorRecords(
         epoch_utc=truth.epoch_utc,
@@ -65,5 +70,5 @@ def sense(
         gnss=read_gnss(truth, gnss, for_gnss) if gnss else None,
         star_tracker=read_star_tracker(truth, config.star_tracker, for_stars),
         keypoints=keypoints,
-        poses=read_poses(truth, keypoints, target, camera, config.detector, for_poses),
+        poses=read_poses(truth, keypoints, target, camera, config.detector, for_poses, errors),
     )

@@ -6,18 +6,26 @@ Axes: x right, y down, z forward. Image: [0, width] x [0, height], the first pix
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from types import ModuleType
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from proxnav.errors import InputError
-from proxnav.geometry import distortion as lens
+from proxnav.geometry import distortion as pinhole
+from proxnav.geometry import fisheye
+from proxnav.geometry.calibration import EXACT, CalibrationSigma
 from proxnav.geometry.types import Pixels, Vector3
+
+Projection = Literal["pinhole", "fisheye"]
+"""How angles become image radii: by their tangent, or by the angle itself."""
+_WIDE_BOW, _BOW = 0.2, 0.01
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Intrinsics [px] and Brown-Conrady distortion (k1, k2, p1, p2, k3).
+    """Intrinsics [px] and lens distortion in OpenCV's order of coefficients.
 
     >>> camera = Camera(width=1024, height=1024, fx=1407.0, fy=1407.0, cx=512.0, cy=512.0)
     >>> camera.project(np.array([1.0, 0.0, 10.0]))
@@ -30,7 +38,13 @@ class Camera:
     fy: float
     cx: float
     cy: float
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    distortion: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    """pinhole: 4, 5, 8, 12 or 14 of k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tx, ty (no tilt: tx = ty = 0), kept
+    as the shortest of 5, 8 and 12 that says the same. fisheye: k1, k2, k3, k4."""
+    projection: Projection = "pinhole"
+    """fisheye: the model of OpenCV's fisheye module (Kannala-Brandt), Kalibr's and ROS's equidistant."""
+    calibration_sigma: CalibrationSigma = EXACT
+    """What is not known about the intrinsics; covariances of poses hold it."""
 
     def __post_init__(self) -> None:
         if self.width < 1 or self.height < 1 or not (self.fx > 0 and self.fy > 0):
@@ -39,9 +53,20 @@ class Camera:
                 f"fx {self.fx}, fy {self.fy}"
             )
         values = (self.fx, self.fy, self.cx, self.cy, *self.distortion)
-        if len(self.distortion) != 5 or not np.isfinite(values).all():
-            raise InputError(f"a camera needs finite intrinsics and 5 distortion terms, found {values}")
-        object.__setattr__(self, "distortion", tuple(float(value) for value in self.distortion))
+        if not np.isfinite(values).all():
+            raise InputError(f"a camera needs finite intrinsics and distortion, found {values}")
+        object.__setattr__(self, "distortion", _coefficients(self.distortion, self.projection))
+
+    @staticmethod
+    def read(path: str | Path) -> "Camera":
+        """The camera of any calibration file: OpenCV, ROS, Kalibr, MATLAB, npz, SPEED+ or plain numbers.
+
+        Which it is shows in its content; `FILE#cam1` names one of several cameras. Pixels are converted to corner
+        origin. `proxnav.geometry.camera_files.read_camera_file` also says what was converted or assumed.
+        """
+        from proxnav.geometry.camera_files import read_camera_file
+
+        return read_camera_file(path).camera
 
     @staticmethod
     def from_speed_json(path: str | Path) -> "Camera":
@@ -57,12 +82,22 @@ class Camera:
 
     @property
     def is_distorted(self) -> bool:
-        """Whether any distortion term differs from zero."""
-        return any(self.distortion)
+        """Whether the image differs from that of a pinhole."""
+        return self.projection == "fisheye" or any(self.distortion)
+
+    @property
+    def bow(self) -> float:
+        """Share of a straight edge's extent in the image by which its middle may lie outside the box of its ends."""
+        if not self.is_distorted:
+            return 0.0
+        return _BOW if self.projection == "pinhole" and len(self.distortion) == 5 else _WIDE_BOW
 
     @cached_property
-    def _fold_radius(self) -> float:
-        return lens.fold_radius(self.distortion)
+    def fold_radius(self) -> float:
+        """Largest |(x/z, y/z)| of a ray that has an image; beyond it the lens would fold the image back."""
+        if not self.is_distorted:
+            return float("inf")
+        return _model(self.projection).fold_radius(self.distortion)
 
     def project(self, points_cam_m: Vector3) -> Pixels:
         """Points (..., 3) [m] to pixels (..., 2); NaN behind the camera and where the distortion folds back."""
@@ -71,8 +106,8 @@ class Camera:
         with np.errstate(divide="ignore", invalid="ignore"):
             xy = np.where(z > 0.0, points[..., :2] / z, np.nan)
         if self.is_distorted:
-            inside = np.linalg.norm(xy, axis=-1, keepdims=True) <= self._fold_radius
-            xy = np.where(inside, lens.distort(xy, self.distortion), np.nan)
+            inside = np.linalg.norm(xy, axis=-1, keepdims=True) <= self.fold_radius
+            xy = np.where(inside, _model(self.projection).distort(xy, self.distortion), np.nan)
         return xy * (self.fx, self.fy) + (self.cx, self.cy)
 
     def unproject(self, pixels: Pixels) -> Vector3:
@@ -80,7 +115,7 @@ class Camera:
         pixels = np.asarray(pixels, dtype=np.float64)
         xy = (pixels - (self.cx, self.cy)) / (self.fx, self.fy)
         if self.is_distorted:
-            xy = lens.undistort(xy, self.distortion)
+            xy = _model(self.projection).undistort(xy, self.distortion)
         return np.concatenate([xy, np.ones_like(xy[..., :1])], axis=-1)
 
     def projection_jacobian(self, points_cam_m: Vector3) -> Float[np.ndarray, "*batch 2 3"]:
@@ -91,8 +126,12 @@ class Camera:
             [np.stack([1.0 / z, zero, -x / z**2], axis=-1), np.stack([zero, 1.0 / z, -y / z**2], axis=-1)], axis=-2
         )
         if self.is_distorted:
-            ideal = lens.jacobian(np.stack([x / z, y / z], axis=-1), self.distortion) @ ideal
+            ideal = self.lens_jacobian(np.stack([x / z, y / z], axis=-1)) @ ideal
         return ideal * np.array([[self.fx], [self.fy]])
+
+    def lens_jacobian(self, xy: Pixels) -> Float[np.ndarray, "*batch 2 2"]:
+        """d(distorted)/d(ideal) of the normalised image coordinates at the ideal ones (x/z, y/z)."""
+        return _model(self.projection).jacobian(xy, self.distortion)
 
     def contains(self, pixels: Pixels) -> Bool[np.ndarray, "*batch"]:
         """Whether pixels (..., 2) lie in the image; False for NaN."""
@@ -105,24 +144,70 @@ class Camera:
     def resized(self, width: int, height: int) -> "Camera":
         """The camera of the same image resampled to another size."""
         sx, sy = width / self.width, height / self.height
+        sigma = self.calibration_sigma
+        if not sigma.is_exact:
+            sigma = replace(sigma, principal_px=sigma.principal_px * float(np.sqrt(sx * sy)))
         return replace(
-            self, width=width, height=height, fx=self.fx * sx, fy=self.fy * sy, cx=self.cx * sx, cy=self.cy * sy
-        )
+            self, width=width, height=height, fx=self.fx * sx, fy=self.fy * sy, cx=self.cx * sx, cy=self.cy * sy,
+            calibration_sigma=sigma,
+        )  # fmt: skip
 
     def undistorted(self) -> "Camera":
-        """The same intrinsics without distortion."""
-        return replace(self, distortion=(0.0,) * 5)
+        """The pinhole of the same intrinsics without distortion."""
+        return replace(self, distortion=(0.0,) * 5, projection="pinhole")
 
-    def to_opencv(self) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "5"]]:
-        """(matrix, distortion) in OpenCV's pixel-centre origin: cx and cy are half a pixel smaller."""
+    def erring(self, errors: Float[np.ndarray, "calibration=3"]) -> "Camera":
+        """A camera that differs from this one by so many standard deviations of its calibration, and is exact.
+
+        errors: of the focal length, of the principal point along x and along y.
+        """
+        sigma = self.calibration_sigma
+        if sigma.is_exact:
+            return self
+        stretch, (x, y) = 1.0 + sigma.focal * float(errors[0]), sigma.principal_px * np.asarray(errors[1:])
+        return replace(
+            self, fx=self.fx * stretch, fy=self.fy * stretch, cx=self.cx + float(x), cy=self.cy + float(y),
+            calibration_sigma=EXACT,
+        )  # fmt: skip
+
+    def to_opencv(self) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "n"]]:
+        """(matrix, distortion) in OpenCV's pixel-centre origin: cx and cy are half a pixel smaller.
+
+        For `cv2.projectPoints` and its kin, or for those of `cv2.fisheye` where `projection` is fisheye.
+        """
         K = self.K.copy()
         K[:2, 2] -= 0.5
         return K, np.array(self.distortion)
 
     @staticmethod
     def from_opencv(
-        K: Float[np.ndarray, "3 3"], distortion: Float[np.ndarray, "n"], width: int, height: int
-    ) -> "Camera":
-        """Inverse of `to_opencv`."""
-        k = (float(distortion[0]), *(float(value) for value in distortion[1:5]))
-        return Camera(width, height, K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5, k)  # pyright: ignore
+        K: Float[np.ndarray, "3 3"], distortion: Float[np.ndarray, "n"], width: int, height: int,
+        projection: Projection = "pinhole",
+    ) -> "Camera":  # fmt: skip
+        """Inverse of `to_opencv`; 4, 5, 8, 12 or 14 coefficients of a pinhole, 4 of a fisheye."""
+        k = tuple(float(value) for value in np.ravel(distortion))
+        return Camera(
+            width, height, float(K[0, 0]), float(K[1, 1]), float(K[0, 2]) + 0.5, float(K[1, 2]) + 0.5, k, projection
+        )
+
+
+def _model(projection: Projection) -> ModuleType:
+    """The lens model: one of two modules of the same functions."""
+    return fisheye if projection == "fisheye" else pinhole
+
+
+def _coefficients(given: tuple[float, ...], projection: Projection) -> tuple[float, ...]:
+    """In the form that the lens models take; InputError for a number of them that no model has."""
+    k = tuple(float(value) for value in given)
+    if projection == "fisheye":
+        if len(k) != fisheye.COUNT:
+            raise InputError(f"a fisheye camera has 4 distortion coefficients, found {len(k)}")
+        return k
+    if projection != "pinhole":
+        raise InputError(f"a camera's projection is pinhole or fisheye, found {projection!r}")
+    if len(k) not in (0, 4, *pinhole.COUNTS, 14):
+        raise InputError(f"a camera has 4, 5, 8, 12 or 14 distortion coefficients in OpenCV's order, found {len(k)}")
+    if any(k[12:]):
+        raise InputError(f"a tilted sensor (tx {k[12]:g}, ty {k[13]:g}) is not modelled: calibrate without tilt")
+    k = k[:12] + (0.0,) * (5 - len(k))
+    return next(k[:count] for count in pinhole.COUNTS if not any(k[count:]))

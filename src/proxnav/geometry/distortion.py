@@ -1,6 +1,7 @@
-"""Brown-Conrady lens distortion on normalised image coordinates, in OpenCV's order (k1, k2, p1, p2, k3).
+"""Lens distortion of pinhole cameras on normalised image coordinates, in OpenCV's order of coefficients.
 
-D. C. Brown, "Close-range camera calibration", Photogrammetric Engineering 37(8), 1971.
+5: Brown-Conrady (k1, k2, p1, p2, k3), D. C. Brown, "Close-range camera calibration", Photogrammetric Engineering
+37(8), 1971. 8: with (k4, k5, k6), the denominator of a rational radial term. 12: with (s1, s2, s3, s4), the thin prism.
 """
 
 import numpy as np
@@ -8,29 +9,38 @@ from jaxtyping import Float
 
 from proxnav.geometry.types import Pixels
 
+COUNTS = (5, 8, 12)
+"""Numbers of coefficients."""
+
 
 def distort(xy: Pixels, k: tuple[float, ...]) -> Pixels:
     """Ideal (x/z, y/z) to distorted normalised coordinates."""
-    k1, k2, p1, p2, k3 = k
+    p1, p2 = k[2:4]
     x, y = xy[..., 0], xy[..., 1]
     r2 = x * x + y * y
-    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    radial, _ = _radial(r2, k)
     xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
     yd = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+    if len(k) == 12:
+        s1, s2, s3, s4 = k[8:]
+        xd, yd = xd + r2 * (s1 + r2 * s2), yd + r2 * (s3 + r2 * s4)
     return np.stack([xd, yd], axis=-1)
 
 
 def jacobian(xy: Pixels, k: tuple[float, ...]) -> Float[np.ndarray, "*batch 2 2"]:
     """d(distorted)/d(ideal)."""
-    k1, k2, p1, p2, k3 = k
+    p1, p2 = k[2:4]
     x, y = xy[..., 0], xy[..., 1]
     r2 = x * x + y * y
-    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3))  # d radial / d r2, times 2
+    radial, slope = _radial(r2, k)
     xx = radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x
     yy = radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x
-    xy_ = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y
-    return np.stack([np.stack([xx, xy_], axis=-1), np.stack([xy_, yy], axis=-1)], axis=-2)
+    xy_ = yx = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y
+    if len(k) == 12:
+        s1, s2, s3, s4 = k[8:]
+        a, b = 2.0 * s1 + 4.0 * s2 * r2, 2.0 * s3 + 4.0 * s4 * r2
+        xx, xy_, yx, yy = xx + a * x, xy_ + a * y, yx + b * x, yy + b * y
+    return np.stack([np.stack([xx, xy_], axis=-1), np.stack([yx, yy], axis=-1)], axis=-2)
 
 
 def undistort(xy_distorted: Pixels, k: tuple[float, ...], iterations: int = 20) -> Pixels:
@@ -50,8 +60,33 @@ def undistort(xy_distorted: Pixels, k: tuple[float, ...], iterations: int = 20) 
 
 
 def fold_radius(k: tuple[float, ...]) -> float:
-    """Largest ideal radius up to which radial distortion grows monotonically; beyond it the image folds back."""
-    k1, k2, _, _, k3 = k
-    roots = np.roots([7.0 * k3, 5.0 * k2, 3.0 * k1, 1.0])  # d(r (1 + k1 r^2 + k2 r^4 + k3 r^6))/dr, in r^2
-    real = roots[(np.abs(roots.imag) < 1e-12) & (roots.real > 0)].real
+    """Largest ideal radius up to which radial distortion grows monotonically; beyond it the image folds back.
+
+    The radial term is r N(r^2) / D(r^2); it stops to grow where N D + 2 s (N' D - N D') = 0 in s = r^2, or where D = 0.
+    """
+    k1, k2, _, _, k3 = k[:5]
+    if len(k) == 5:
+        candidates = np.roots([7.0 * k3, 5.0 * k2, 3.0 * k1, 1.0])  # d(r (1 + k1 r^2 + k2 r^4 + k3 r^6))/dr, in r^2
+    else:
+        N, D = np.array([k3, k2, k1, 1.0]), np.array([k[7], k[6], k[5], 1.0])
+        growth = np.polysub(np.polymul(np.polyder(N), D), np.polymul(N, np.polyder(D)))
+        slope = np.polyadd(np.polymul(N, D), np.polymul([2.0, 0.0], growth))
+        candidates = np.concatenate([np.roots(slope), np.roots(D)])
+    real = candidates[(np.abs(candidates.imag) < 1e-12) & (candidates.real > 0)].real
     return float(np.sqrt(real.min())) if real.size else np.inf
+
+
+_Radii = Float[np.ndarray, "*batch"] | np.float64
+
+
+def _radial(r2: _Radii, k: tuple[float, ...]) -> tuple[_Radii, _Radii]:
+    """(factor of the radius, twice its derivative by r^2)."""
+    k1, k2, _, _, k3 = k[:5]
+    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3))
+    if len(k) == 5:
+        return radial, slope
+    k4, k5, k6 = k[5:8]
+    below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
+    fall = 2.0 * (k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6))
+    return radial / below, (slope * below - radial * fall) / below**2

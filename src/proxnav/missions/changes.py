@@ -1,7 +1,6 @@
 """A mission with what a command line says otherwise."""
 
 from dataclasses import replace
-from pathlib import Path
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
@@ -11,12 +10,12 @@ from proxnav.sensor.presets import sensor_by_name
 
 
 def changed(
-    mission: Mission, camera: Path | None = None, sensor: str | None = None, particles_cm2_s: float | None = None,
+    mission: Mission, camera: Camera | None = None, sensor: str | None = None, particles_cm2_s: float | None = None,
     textures: Textures | None = None,
 ) -> Mission:  # fmt: skip
-    """The mission with another camera.json, sensor by name, rate of particles or strength of textures."""
+    """The mission with another camera, sensor by name, rate of particles or strength of textures."""
     if camera is not None:
-        mission = replace(mission, camera=Camera.from_speed_json(str(camera)))
+        mission = replace(mission, camera=camera)
     if sensor is not None:
         mission = replace(mission, sensor=sensor_by_name(sensor))
     if particles_cm2_s is not None:

@@ -7,7 +7,7 @@ from typing import Any
 import tomlkit
 
 from proxnav.errors import InputError
-from proxnav.geometry import Camera
+from proxnav.missions.cameras import camera_table, mission_camera
 from proxnav.missions.mission import Flight, Lighting, Looks, Mission, TrainingRanges, ViewRanges
 from proxnav.missions.table import from_table, to_table
 from proxnav.records import SensorSpec
@@ -53,12 +53,14 @@ def parse_mission(content: dict[str, Any], where: str) -> Mission:
     plain = dict(content)
     camera = plain.pop("camera", None)
     if not isinstance(camera, dict):
-        raise InputError(f"{where}: no table [camera]; a mission needs width, height, fx, fy, cx, cy and a sensor")
+        raise InputError(
+            f"{where}: no table [camera]; a mission needs width, height, fx, fy, cx, cy or a file, and a sensor"
+        )
     sections = {key: from_table(kind, plain.pop(key, {}), f"{where}: {key}") for key, kind in _SECTIONS.items()}
     camera = dict(camera)
     base = sensor_by_name(str(camera.pop(_SENSOR_KEY, "ideal")))
     own = from_table(SensorSpec, plain.pop("sensor", {}), f"{where}: sensor", base)
-    fields = {"camera": from_table(Camera, camera, f"{where}: camera"), "sensor": own} | sections
+    fields = {"camera": mission_camera(camera, f"{where}: camera", Path(where).parent), "sensor": own} | sections
     return from_table(Mission, plain, where, known=fields)
 
 
@@ -66,7 +68,7 @@ def mission_toml(mission: Mission) -> str:
     """A mission as TOML that reads back equal."""
     table = to_table(mission)
     sensor = SENSORS.get(mission.sensor.name, SensorSpec())
-    table["camera"][_SENSOR_KEY] = sensor.name
+    table["camera"] = camera_table(mission.camera) | {_SENSOR_KEY: sensor.name}
     table["sensor"] = to_table(mission.sensor, than=sensor)
     return tomlkit.dumps({key: value for key, value in table.items() if value != {}})
 

@@ -60,9 +60,12 @@ def _as(value: Any, kind: Any) -> tuple[bool, Any]:
     if get_origin(kind) is Literal:
         return value in get_args(kind), value
     if get_origin(kind) is tuple:
-        if not isinstance(value, list) or len(value) != len(get_args(kind)):
+        wanted = get_args(kind)
+        if isinstance(value, list) and wanted[1:] == (...,):
+            wanted = wanted[:1] * len(value)
+        if not isinstance(value, list) or len(value) != len(wanted):
             return False, None
-        parts = [_as(item, part) for item, part in zip(value, get_args(kind), strict=True)]
+        parts = [_as(item, part) for item, part in zip(value, wanted, strict=True)]
         return all(fits for fits, _ in parts), tuple(part for _, part in parts)
     if kind is float:
         is_number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
@@ -76,5 +79,5 @@ def _words(hint: Any) -> str:
     if get_origin(hint) is Literal:
         return " or ".join(repr(word) for word in get_args(hint))
     if get_origin(hint) is tuple:
-        return f"an array of {len(get_args(hint))} numbers"
+        return "an array of numbers" if ... in get_args(hint) else f"an array of {len(get_args(hint))} numbers"
     return {float: "a number", int: "a whole number", str: "text", bool: "true or false"}.get(hint, str(hint))

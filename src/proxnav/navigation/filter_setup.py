@@ -9,6 +9,7 @@ from jaxtyping import Float
 from proxnav.datasets.sensor_records.plausibility import check_together
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, quaternion
+from proxnav.geometry.calibration import N_CALIBRATION, CalibrationSigma
 from proxnav.geometry.types import Points, Rotation3x3, Vector3
 from proxnav.navigation.config import CONTROL_DAMPING, NavigationConfig
 from proxnav.navigation.gates import frame_gates
@@ -41,6 +42,9 @@ class FilterSetup:
     camera: Camera
     """Without distortion: pixels are straightened on entry."""
     real_camera: Camera
+    """Its `calibration_sigma` is carried as states that last for the whole flight."""
+    sigma_in_poses: CalibrationSigma
+    """What of it the covariances of the poses hold already."""
     points_m: Points
     """Keypoints of the target, target axes."""
     ephemeris: Ephemeris
@@ -53,14 +57,15 @@ class FilterSetup:
     """Principal moments of a free target, up to a common factor; zeros where nobody knows."""
     shares: Float[np.ndarray, "2"]
     """Shares of the claimed covariance of keypoints: lasting by themselves, new."""
-    noise: Float[np.ndarray, "8"]
+    noise: Float[np.ndarray, "9"]
     """See `noise_vector`."""
     frame_gates: Float[np.ndarray, "n_dof"]
 
     @property
-    def lens(self) -> Float[np.ndarray, "4"]:
-        """fx, fy, cx, cy [px]."""
-        return np.array([self.camera.fx, self.camera.fy, self.camera.cx, self.camera.cy])
+    def lens(self) -> Float[np.ndarray, "6"]:
+        """fx, fy, cx, cy [px] and the standard deviations of focal length (relative) and principal point [px]."""
+        camera, sigma = self.camera, self.camera.calibration_sigma
+        return np.array([camera.fx, camera.fy, camera.cx, camera.cy, sigma.focal, sigma.principal_px])
 
     @property
     def lasting_pose_share(self) -> float:
@@ -94,25 +99,35 @@ class FilterSetup:
 
 
 def filter_setup(
-    ephemeris: Ephemeris, points_m: Points, camera: Camera, config: NavigationConfig, has_gyro: bool
-) -> FilterSetup:
-    """What a run needs besides its readings. InputError where the ephemeris is too coarse."""
+    ephemeris: Ephemeris, points_m: Points, camera: Camera, config: NavigationConfig, has_gyro: bool,
+    sigma_in_poses: CalibrationSigma | None = None,
+) -> FilterSetup:  # fmt: skip
+    """What a run needs besides its readings; poses hold what the camera leaves open unless told otherwise.
+
+    InputError where the ephemeris is too coarse.
+    """
+    n_calibration = 0 if camera.calibration_sigma.is_exact else N_CALIBRATION
     gyro, camera_shares = has_gyro and config.gyro, config.noise.camera
     shares = np.zeros(2)
     shares[LASTING], shares[NEW] = camera_shares.point_share, camera_shares.white_share
     inertia = config.inertia if config.inertia and config.target == "free" else (0.0, 0.0, 0.0)
     points = np.ascontiguousarray(points_m, dtype=np.float64)
     return FilterSetup(
-        config=config, layout=Layout(len(points) if config.coupling == "tight" else 0), camera=camera.undistorted(),
-        real_camera=camera, points_m=points, ephemeris=_in_order(ephemeris),
+        config=config, layout=Layout(len(points) if config.coupling == "tight" else 0, n_calibration),
+        camera=camera.undistorted(), real_camera=camera,
+        sigma_in_poses=camera.calibration_sigma if sigma_in_poses is None else sigma_in_poses,
+        points_m=points, ephemeris=_in_order(ephemeris),
         chaser_antenna_cam_m=np.array(config.chaser_antenna_cam_m),
         target_antenna_target_m=np.array(config.target_antenna_target_m), has_gyro=gyro,
         R_ric_held=R_RIC_LVLH @ quaternion.to_matrix(np.array(config.held.q_lvlh_target)), inertia=np.array(inertia),
-        shares=shares, noise=noise_vector(config, gyro), frame_gates=frame_gates(2 * len(points)),
+        shares=shares, noise=noise_vector(config, gyro, n_calibration), frame_gates=frame_gates(2 * len(points)),
     )  # fmt: skip
 
 
-def setup_of(records: SensorRecords, points_m: Points, camera: Camera, config: NavigationConfig) -> FilterSetup:
+def setup_of(
+    records: SensorRecords, points_m: Points, camera: Camera, config: NavigationConfig,
+    sigma_in_poses: CalibrationSigma | None = None,
+) -> FilterSetup:  # fmt: skip
     """The setup for a run's records, which are checked against each other first."""
     check_together(records)
     if records.star_tracker is None:
@@ -124,7 +139,7 @@ def setup_of(records: SensorRecords, points_m: Points, camera: Camera, config: N
         )
     e = records.ephemeris
     ephemeris = Ephemeris(e.t, e.r_eci_m, e.v_eci_mps)
-    return filter_setup(ephemeris, points_m, camera, config, records.gyro is not None)
+    return filter_setup(ephemeris, points_m, camera, config, records.gyro is not None, sigma_in_poses)
 
 
 def _in_order(ephemeris: Ephemeris) -> Ephemeris:

@@ -16,6 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
+from proxnav.geometry.calibration import N_CALIBRATION
+
 StateVector = Float[np.ndarray, "n_states"]
 ErrorVector = Float[np.ndarray, "n_errors"]
 Covariance = Float[np.ndarray, "n_errors n_errors"]
@@ -45,9 +47,11 @@ class States(NamedTuple):
     vectors: slice
     """All behind the attitudes, where errors add."""
     camera_errors: slice
-    """Lasting errors of the camera: the points' own, then that of the pose."""
+    """Lasting errors of the camera: the points' own, those of its calibration, then that of the pose."""
     point_errors: slice
     """Two of each keypoint, in units of their own standard deviation."""
+    calibration: slice
+    """Errors of the camera's calibration, in units of their own standard deviation; only where some are declared."""
     pose_translation: slice
     """By how much the camera sees the whole target displaced, camera axes [m]."""
     pose_rotation: slice
@@ -75,6 +79,8 @@ class Errors(NamedTuple):
     fading: slice
     """Errors behind the core, which only decay."""
     point_errors: slice
+    """The points' own, and those of the calibration."""
+    calibration: slice
     pose_error: slice
     """Lasting error of the whole pose: translation, then rotation."""
 
@@ -111,7 +117,8 @@ def _states() -> States:
     r, v, _, q, *_, gnss = blocks = tuple(_in_a_row(3, 3, 4, 4, 3, 3, 3, 3))
     return States(
         *blocks, motion=slice(r.start, v.stop), vectors=slice(q.stop, None), camera_errors=slice(gnss.stop, None),
-        point_errors=slice(gnss.stop, -N_POSE), pose_translation=slice(-N_POSE, -3), pose_rotation=slice(-3, None),
+        point_errors=slice(gnss.stop, -N_POSE), calibration=_CALIBRATION,
+        pose_translation=slice(-N_POSE, -3), pose_rotation=slice(-3, None),
     )  # fmt: skip
 
 
@@ -120,7 +127,7 @@ def _errors() -> Errors:
     return Errors(
         *blocks, motion=slice(r.start, v.stop), attitudes=slice(turn_cam.start, turn.stop),
         vectors=slice(turn.stop, None), core=slice(r.start, acceleration.stop), fading=slice(acceleration.stop, None),
-        point_errors=slice(gnss.stop, -N_POSE), pose_error=slice(-N_POSE, None),
+        point_errors=slice(gnss.stop, -N_POSE), calibration=_CALIBRATION, pose_error=slice(-N_POSE, None),
     )  # fmt: skip
 
 
@@ -133,6 +140,7 @@ def _frame_columns() -> FrameColumns:
 
 N_POSE = 6
 """Errors of a whole pose, (dt [m], dr [rad])."""
+_CALIBRATION = slice(-N_POSE - N_CALIBRATION, -N_POSE)
 X, E = _states(), _errors()
 FRAME, GNSS = _frame_columns(), GnssColumns(*_in_a_row(3, 3, 3, 3, 3, 3, 3))
 
@@ -147,16 +155,24 @@ class Layout:
 
     n_points: int
     """Keypoints that carry lasting errors of their own: all with tight coupling, none with loose."""
+    n_calibration: int = 0
+    """Errors of the camera's calibration: all or none."""
 
     @property
     def n_states(self) -> int:
         """Length of x."""
-        return X.gnss_bias.stop + 2 * self.n_points + N_POSE
+        return X.gnss_bias.stop + 2 * self.n_points + self.n_calibration + N_POSE
 
     @property
     def n_errors(self) -> int:
         """Length of e, and of both axes of P."""
-        return N_FIXED + 2 * self.n_points + N_POSE
+        return N_FIXED + 2 * self.n_points + self.n_calibration + N_POSE
+
+    @property
+    def seen_by_pose(self) -> Int[np.ndarray, "n"]:
+        """Errors that a pose sees: those of `FRAME`, then those of the calibration."""
+        calibration = (E.calibration,) if self.n_calibration else ()
+        return self.places(E.position, E.attitudes, E.pose_error, *calibration)
 
     def places(self, *blocks: slice) -> Int[np.ndarray, "n"]:
         """Places of these blocks in the error vector, one after the other."""
@@ -164,7 +180,6 @@ class Layout:
 
 
 _LOOSE = Layout(0)
-SEEN_BY_POSE = _LOOSE.places(E.position, E.attitudes, E.pose_error)
 SEEN_BY_GNSS = _LOOSE.places(E.motion, E.attitudes, E.rate, E.gyro_bias, E.gnss_bias)
 SEEN_BY_STAR_TRACKER = _LOOSE.places(E.attitude_cam)
 PUBLISHED = _LOOSE.places(E.motion, E.attitude, E.rate)

@@ -6,8 +6,10 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from proxnav.geometry.calibration import CalibrationSigma, pose_moves
 from proxnav.geometry.compiled.rotations import conjugate, exp, log, multiply, skew, to_matrix
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
+from proxnav.geometry.pose_jacobian import pose_jacobians_target_axes
 from proxnav.geometry.types import QuatWxyz, Rotation3x3, Vector3
 from proxnav.navigation.belief import Tracking
 from proxnav.navigation.filter_setup import FilterSetup
@@ -20,7 +22,6 @@ from proxnav.navigation.layout import (
     FRAME,
     N_POSE,
     SEEN_BY_GNSS,
-    SEEN_BY_POSE,
     SEEN_BY_STAR_TRACKER,
     Covariance,
     E,
@@ -37,6 +38,8 @@ _MOST_REFUSED = 0.7
 """... and with more than this share of them refused the filter is lost: the next pose starts it again."""
 _STREAK = 8
 """So many refused fixes in a row and the filter gives the fix its way: attitude, gyro bias or GNSS bias restart."""
+_MOST_CALIBRATION = 0.99
+"""Share of a pose's variance in any direction that may be the calibration's."""
 _NO_RATE = np.zeros(3)
 
 Outcome = Literal["accepted", "gated", "no_points", "not_started", "started", "late", "duplicate", "ahead", "invalid"]
@@ -73,11 +76,15 @@ def take_keypoints(belief: Tracking, frame: KeypointFrame, setup: FilterSetup) -
 
 def take_pose(belief: Tracking, fix: PoseFix, setup: FilterSetup) -> tuple[Tracking, Verdict]:
     """A pose of the pose solver; part of its error lasts from frame to frame."""
-    x, C = belief.x, in_target_axes(fix.covariance, fix.q_cam_target)
+    x, C = belief.x, noise_of_pose(fix, setup)
     belief = lasting_of_pose(belief, C, setup)
     H, t_hat, q_hat = pose_model(x, setup.R_eci_ric(belief.t))
+    if setup.layout.n_calibration:
+        S = -calibration_moves(fix, setup, setup.real_camera.calibration_sigma)  # the state is true minus assumed
+        off, H = S @ x[X.calibration], np.concatenate([H, S], axis=1)
+        t_hat, q_hat = t_hat + off[TRANSLATION], multiply(q_hat, exp(off[ROTATION]))
     y = np.concatenate([fix.t_cam_target_m - t_hat, log(multiply(conjugate(q_hat), fix.q_cam_target))])
-    e, P, nis = joseph(belief.P, SEEN_BY_POSE, H, setup.config.noise.poses.white_share * C, y)
+    e, P, nis = joseph(belief.P, setup.layout.seen_by_pose, H, setup.config.noise.poses.white_share * C, y)
     if not nis <= POSE_GATE:
         return _frame_refused(belief), Verdict("gated", float(nis))
     belief = replace(belief, pose_errors=setup.lasting_pose_share * C)
@@ -146,10 +153,37 @@ def pose_model(x: StateVector, R_eci_ric: Rotation3x3) -> tuple[Float[np.ndarray
     """(H of (dt in camera, dr in target axes), predicted t [m], predicted q) of T_cam_target."""
     R_cam_ric = to_matrix(x[X.q_eci_cam]).T @ R_eci_ric
     t = -R_cam_ric @ x[X.position]
-    H = np.zeros((N_POSE, len(SEEN_BY_POSE)))
+    H = np.zeros((N_POSE, FRAME.pose_error.stop))
     H[TRANSLATION, FRAME.position], H[TRANSLATION, FRAME.attitude_cam] = -R_cam_ric, skew(t)
     H[ROTATION, FRAME.attitude], H[:, FRAME.pose_error] = np.eye(3), np.eye(N_POSE)
     return H, t + x[X.pose_translation], multiply(x[X.q_cam_target], exp(x[X.pose_rotation]))
+
+
+def noise_of_pose(fix: PoseFix, setup: FilterSetup) -> PoseCovariance:
+    """Covariance of a pose, dr in target axes, without what the camera's calibration leaves open: that is a state."""
+    C = in_target_axes(fix.covariance, fix.q_cam_target)
+    if setup.sigma_in_poses.is_exact:
+        return C
+    L = np.linalg.cholesky(C)
+    U, s, _ = np.linalg.svd(np.linalg.solve(L, calibration_moves(fix, setup, setup.sigma_in_poses)))
+    kept = np.ones(N_POSE)
+    kept[: len(s)] -= np.minimum(np.square(s), _MOST_CALIBRATION)
+    half = L @ U
+    return (half * kept) @ half.T
+
+
+def calibration_moves(
+    fix: PoseFix, setup: FilterSetup, sigma: CalibrationSigma
+) -> Float[np.ndarray, "6 calibration=3"]:
+    """(dt in camera, dr in target axes) of a pose of the keypoints in view by one standard deviation of each error."""
+    camera, points = setup.real_camera, setup.points_m
+    q, t = fix.q_cam_target[None], fix.t_cam_target_m[None]
+    pixels = camera.project(points @ to_matrix(fix.q_cam_target).T + t)
+    J = pose_jacobians_target_axes(q, t, points, camera)[0]
+    seen = camera.contains(pixels) & np.isfinite(J).all(axis=(1, 2))
+    return pose_moves(
+        J[seen], np.tile(np.eye(2), (seen.sum(), 1, 1)), sigma.moves(pixels[seen] - (camera.cx, camera.cy))
+    )
 
 
 def in_target_axes(cov: PoseCovariance, q_cam_target: QuatWxyz) -> PoseCovariance:

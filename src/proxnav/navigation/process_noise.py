@@ -14,18 +14,21 @@ RATE_WALK_WITHOUT_GYRO = 1.1e-4
 
 (
     ACCELERATION_PSD, GYRO_PSD, BIAS_PSD, RATE_PSD, GNSS_SIGMA, GNSS_TAU, CAMERA_TAU, ANGLE_VAR,
-) = range(8)  # fmt: skip
+    CALIBRATION,
+) = range(9)  # fmt: skip
 """Places in `noise_vector`."""
 
 
-def noise_vector(config: NavigationConfig, has_gyro: bool) -> Float[np.ndarray, "8"]:
-    """Power densities, standard deviations and time constants, SI; the last is a variance that one step adds."""
+def noise_vector(config: NavigationConfig, has_gyro: bool, n_calibration: int = 0) -> Float[np.ndarray, "9"]:
+    """Power densities, standard deviations and time constants, SI; the last two are a variance that one step adds, and
+    how many errors of the camera's calibration there are, which never change."""
     n = config.noise
-    noise = np.zeros(8)
+    noise = np.zeros(9)
     noise[ACCELERATION_PSD] = n.acceleration**2
     noise[GYRO_PSD] = n.gyro**2 if has_gyro else 0.0
     noise[BIAS_PSD] = (n.gyro_bias_walk if has_gyro else RATE_WALK_WITHOUT_GYRO) ** 2
     noise[RATE_PSD] = (config.held.rate_walk if config.target == "held" else n.free_rate_walk) ** 2
     noise[GNSS_SIGMA], noise[GNSS_TAU] = n.gnss_bias_m, n.gnss_tau_s
     noise[CAMERA_TAU] = n.camera.tau_s if config.coupling == "tight" else n.poses.tau_s
+    noise[CALIBRATION] = n_calibration
     return noise

@@ -15,7 +15,7 @@ from proxnav.navigation.belief import Belief, Tracking, Waiting, nav_state
 from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.kernels.error_state import corrected, relative_error
 from proxnav.navigation.layout import N_CORE, Covariance, StateVector
-from proxnav.navigation.measurements import in_target_axes, lasting_of_keypoints, lasting_of_pose
+from proxnav.navigation.measurements import lasting_of_keypoints, lasting_of_pose, noise_of_pose
 from proxnav.navigation.propagate import Step, predicted
 from proxnav.navigation.readings import Acceleration, GyroReading, KeypointFrame, PoseFix, Reading, rank
 from proxnav.navigation.stream import readings
@@ -67,7 +67,7 @@ def _met(belief: Tracking, reading: Reading, setup: FilterSetup) -> Tracking:
     """The belief as it meets the measurement."""
     moved = predicted(belief, reading.t, setup)
     if isinstance(reading, PoseFix) and setup.config.coupling == "loose":
-        return lasting_of_pose(moved, in_target_axes(reading.covariance, reading.q_cam_target), setup)
+        return lasting_of_pose(moved, noise_of_pose(reading, setup), setup)
     if isinstance(reading, KeypointFrame):
         return lasting_of_keypoints(moved, reading, setup)
     return moved

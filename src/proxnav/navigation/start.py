@@ -14,7 +14,7 @@ from proxnav.navigation.kernels.attitude_control import control_error
 from proxnav.navigation.kernels.error_state import corrected, reset
 from proxnav.navigation.kernels.joseph import joseph
 from proxnav.navigation.layout import N_POSE, Covariance, E, StateVector, X, diagonal
-from proxnav.navigation.measurements import in_target_axes
+from proxnav.navigation.measurements import noise_of_pose
 from proxnav.navigation.process_noise import SLOW_ACCELERATION
 from proxnav.navigation.readings import PoseFix, StarFix
 
@@ -54,7 +54,7 @@ def started(belief: Belief, star: StarFix, fix: PoseFix, setup: FilterSetup) -> 
     _open_the_rest(P, setup)
     errors = np.zeros((N_POSE, N_POSE))  # of keypoints: their first frame says how large
     if setup.config.coupling == "loose":
-        errors = setup.lasting_pose_share * in_target_axes(fix.covariance, fix.q_cam_target)
+        errors = setup.lasting_pose_share * noise_of_pose(fix, setup)
         P[E.pose_error, E.pose_error] = errors
     if held:
         x, P = _as_held(x, P, setup, belief.t)
@@ -118,5 +118,5 @@ def _open_the_rest(P: Covariance, setup: FilterSetup) -> None:
     P[diagonal(E.velocity)], P[diagonal(E.rate)] = _VELOCITY**2, noise.free_rate**2
     P[diagonal(E.acceleration)] = np.square(SLOW_ACCELERATION)
     P[diagonal(E.gnss_bias)] = noise.gnss_bias_m**2
-    points = setup.layout.places(E.point_errors)
-    P[points, points] = 1.0
+    units = setup.layout.places(E.point_errors)
+    P[units, units] = 1.0

@@ -1,6 +1,6 @@
 """What the detector and the pose solver say: keypoints and poses, each with its covariance and its status."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -65,11 +65,16 @@ class PoseResult:
     """Which of the given points the pose rests on."""
     reprojection_rms_px: float = float("nan")
     """Root mean square reprojection error over the inliers [px]."""
+    calibration_moves: Float[np.ndarray, "6 calibration=3"] = field(default_factory=lambda: np.zeros((6, 3)))
+    """(dt, dr) by one standard deviation of each error of the camera's calibration: focal length, principal point along
+    x and y. The covariance holds them; they are the same in every image."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inliers", frozen(self.inliers, (None,), "inliers", bool))
         if self.covariance is not None:
             object.__setattr__(self, "covariance", frozen(self.covariance, (6, 6), "covariance"))
+        moves = frozen(self.calibration_moves, (6, 3), "calibration_moves")
+        object.__setattr__(self, "calibration_moves", moves)
 
     @staticmethod
     def failure(status: PoseStatus, n_points: int) -> "PoseResult":

@@ -7,6 +7,7 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.camera_record import camera_record
 from proxnav.geometry.pointing import phase_angle
 from proxnav.records.sensor import ExposureSpec, SensorSpec
 
@@ -106,7 +107,7 @@ class SceneSpec:
 
     def to_json(self) -> dict[str, Any]:
         """As JSON content, with the format's version."""
-        content: dict[str, Any] = {"version": VERSION} | asdict(self)
+        content: dict[str, Any] = {"version": VERSION} | asdict(self) | {"camera": camera_record(self.camera)}
         for part, name in _LATER:
             if content[part] is not None and not content[part][name]:
                 del content[part][name]

@@ -7,7 +7,6 @@ from proxnav.geometry import Camera, Pose
 from proxnav.records import Window
 
 MARGIN_PX = 2
-_BULGE = 0.01  # edges between vertices bow outwards under distortion, by this share of the box at most
 
 
 def target_window(vertices_m: Float[np.ndarray, "n 3"], T_cam_target: Pose, camera: Camera, within: Window) -> Window:
@@ -20,7 +19,7 @@ def target_window(vertices_m: Float[np.ndarray, "n 3"], T_cam_target: Pose, came
     if not (ahead.all() and np.isfinite(pixels).all()):
         return within  # some vertex has no image: the box of the others bounds nothing
     low, high = pixels.min(axis=0), pixels.max(axis=0)
-    margin = MARGIN_PX + (_BULGE * (high - low).max() if camera.is_distorted else 0.0)
+    margin = MARGIN_PX + camera.bow * (high - low).max()
     return _clip(np.floor(low - margin), np.ceil(high + margin), within)
 
 

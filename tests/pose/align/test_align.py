@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from boxcraft import QUADS, boxcraft
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.compiled.lens import lens_numbers
 from proxnav.geometry.perturbation import difference, moved
 from proxnav.pose.align import AlignConfig, Prior, align
 from proxnav.pose.align.config import USUAL_DOUBT
@@ -149,7 +150,7 @@ def test_offsets_along_normals_are_those_of_a_step_edge():
     image[:, 50] = 10.0 + 0.7 * 190.0
     gx = cv2.Scharr(image, cv2.CV_32F, 1, 0, scale=1.0 / 32.0)
     gy = cv2.Scharr(image, cv2.CV_32F, 0, 1, scale=1.0 / 32.0)
-    lens = np.array([100.0, 100.0, 50.0, 50.0, 0, 0, 0, 0, 0, np.inf])
+    lens = lens_numbers(Camera(100, 100, 100.0, 100.0, 50.0, 50.0))
     y = np.linspace(-0.3, 0.3, 20)
     X = np.stack([np.full(20, -0.01), y, np.zeros(20)], axis=1)
     N, R, t = np.tile([1.0, 0.0], (20, 1)), np.eye(3), np.array([0.0, 0.0, 1.0])

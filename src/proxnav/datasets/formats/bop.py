@@ -103,9 +103,9 @@ def _camera(entry: Any, size: tuple[int, int]) -> Camera:
     K = finite_numbers(entry["cam_K"], 9, "cam_K").reshape(3, 3)
     width, height = size
     shift = 0.5 if entry.get("pixel_origin") == "centre" else 0.0
-    distortion = tuple(finite_numbers(entry.get("distortion", (0.0,) * 5), 5, "distortion").tolist())
+    distortion = tuple(finite_numbers(entry.get("distortion", (0.0,) * 5), None, "distortion").tolist())
     cx, cy = float(K[0, 2]) + shift, float(K[1, 2]) + shift
-    return Camera(width, height, float(K[0, 0]), float(K[1, 1]), cx, cy, distortion)  # pyright: ignore[reportArgumentType]
+    return Camera(width, height, float(K[0, 0]), float(K[1, 1]), cx, cy, distortion, entry.get("projection", "pinhole"))
 
 
 def _size(scene: Path, key: int) -> tuple[int, int]:

@@ -110,6 +110,8 @@ def _camera(camera: Camera, scale: float, name: str) -> dict[str, Any]:
     entry: dict[str, Any] = {"cam_K": camera.K.ravel().tolist(), "depth_scale": scale}
     if camera.is_distorted:
         entry["distortion"] = list(camera.distortion)
+    if camera.projection == "fisheye":
+        entry["projection"] = camera.projection
     return entry | {"pixel_origin": "corner", "file_name": name}
 
 

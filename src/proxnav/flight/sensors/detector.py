@@ -9,6 +9,7 @@ from proxnav.errors import InputError
 from proxnav.flight.sensors.gauss_markov import gauss_markov
 from proxnav.flight.truth import Truth
 from proxnav.geometry import Camera, quaternion
+from proxnav.geometry.calibration import pose_moves
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
 from proxnav.geometry.pose_jacobian import pose_jacobians_target_axes
 from proxnav.geometry.types import QuatWxyz, Vector3
@@ -16,6 +17,8 @@ from proxnav.records import KeypointData, PoseData
 from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
 from proxnav.targets.target import Target
 
+CameraErrors = Float[np.ndarray, "calibration=3"]
+"""Errors of the camera's calibration in this flight, in their own standard deviations."""
 _LATENCY_S = (0.3, 0.6)
 """Least and most, uniform: network, pose solver and alignment on a small computer."""
 _LEAST_POINTS = 4
@@ -66,8 +69,9 @@ class _Sightings:
 
 
 def read_keypoints(
-    truth: Truth, target: Target, camera: Camera, config: DetectorConfig, rng: np.random.Generator
-) -> KeypointData:
+    truth: Truth, target: Target, camera: Camera, config: DetectorConfig, rng: np.random.Generator,
+    errors_of_camera: CameraErrors,
+) -> KeypointData:  # fmt: skip
     """Keypoints at the camera's rate, each with the covariance that the detector claims."""
     k = truth.every(config.rate_hz)
     dt = truth.step_s * float(k[1] - k[0]) if len(k) > 1 else 1.0
@@ -76,7 +80,7 @@ def read_keypoints(
     seen = np.isfinite(sight.pixels[..., 0])
     displaced = _lasting(truth.t[k], np.sqrt(errors.pose_share) * _pose_roots(sight, sigma), errors.tau_s, rng)
     q = quaternion.multiply(sight.q, quaternion.exp(displaced[:, ROTATION]))
-    apparent = camera.project(_in_camera(q, sight.t_m + displaced[:, TRANSLATION], target))
+    apparent = camera.erring(errors_of_camera).project(_in_camera(q, sight.t_m + displaced[:, TRANSLATION], target))
     own = gauss_markov(np.sqrt(errors.point_share), errors.tau_s, dt, sight.pixels.shape, rng)
     own = own + np.sqrt(errors.white_share) * rng.normal(size=sight.pixels.shape)
     pixels = np.where(seen[..., None], apparent + sigma[:, None, None] * own, np.nan)
@@ -94,6 +98,7 @@ def read_poses(
     camera: Camera,
     config: DetectorConfig,
     rng: np.random.Generator,
+    errors_of_camera: CameraErrors,
 ) -> PoseData:
     """The pose of each frame of keypoints, with a lasting and a new part of the covariance that it claims."""
     order = np.argsort(keypoints.t)
@@ -103,6 +108,9 @@ def read_poses(
     roots = _pose_roots(sight, np.hypot(config.pose_sigma_px, config.pose_sigma_m * camera.fx / sight.range_m))
     off = _lasting(t, np.sqrt(errors.lasting_share) * roots, errors.tau_s, rng)
     off = off + np.sqrt(errors.white_share) * np.einsum("nij,nj->ni", roots, rng.normal(size=off.shape))
+    if not camera.calibration_sigma.is_exact:
+        moves = _calibration_moves(sight, camera)
+        off, roots = off - moves @ errors_of_camera, np.concatenate([roots, moves], axis=-1)
     q = quaternion.normalize(quaternion.multiply(sight.q, quaternion.exp(off[:, ROTATION])))
     A = np.tile(np.eye(6), (len(t), 1, 1))
     A[:, ROTATION, ROTATION] = quaternion.to_matrix(q)
@@ -134,6 +142,12 @@ def _lasting(
     for i in range(1, len(out)):
         out[i] = keep[i - 1] * out[i - 1] + np.sqrt(1.0 - keep[i - 1] ** 2) * out[i]
     return out
+
+
+def _calibration_moves(sight: _Sightings, camera: Camera) -> Float[np.ndarray, "n 6 calibration=3"]:
+    """Movement of each pose by one standard deviation of each error of the calibration."""
+    C = camera.calibration_sigma.moves(np.nan_to_num(sight.pixels - (camera.cx, camera.cy)))
+    return pose_moves(sight.J, np.broadcast_to(np.eye(2), (*sight.J.shape[:2], 2, 2)), C)
 
 
 def _pose_roots(sight: _Sightings, sigma: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 6 6"]:

@@ -13,6 +13,7 @@ from proxnav.navigation.process_noise import (
     ACCELERATION_PSD,
     ANGLE_VAR,
     BIAS_PSD,
+    CALIBRATION,
     CAMERA_TAU,
     GNSS_SIGMA,
     GNSS_TAU,
@@ -86,6 +87,8 @@ def decays(n, dt, noise):
     d = np.empty(n - N_CORE)
     d[: N_FIXED - N_CORE] = math.exp(-dt / noise[GNSS_TAU])
     d[N_FIXED - N_CORE :] = math.exp(-dt / noise[CAMERA_TAU])
+    if noise[CALIBRATION] > 0.0:
+        d[E.calibration] = 1.0
     return d
 
 
@@ -111,6 +114,8 @@ def move(x, Phi, dt, w_c, w_t, inertia, control, noise):
     y[X.acceleration] *= math.exp(-dt / SLOW_TAU_S)
     y[X.gnss_bias] *= math.exp(-dt / noise[GNSS_TAU])
     y[X.camera_errors] *= math.exp(-dt / noise[CAMERA_TAU])
+    if noise[CALIBRATION] > 0.0:
+        y[X.calibration] = x[X.calibration]
     return y
 
 

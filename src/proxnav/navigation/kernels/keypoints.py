@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from proxnav.geometry.calibration import N_CALIBRATION
 from proxnav.geometry.compiled.kernel import kernel
 from proxnav.geometry.compiled.rotations import exp, multiply, skew, to_matrix
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
@@ -11,8 +12,8 @@ from proxnav.navigation.kernels.error_state import corrected, reset
 from proxnav.navigation.kernels.joseph import rounded
 from proxnav.navigation.layout import FRAME, E, X
 
-FX, FY, CX, CY = range(4)
-"""Places in the lens of a camera without distortion [px]."""
+FX, FY, CX, CY, SIGMA_FOCAL, SIGMA_PRINCIPAL = range(6)
+"""Places in the lens of a camera without distortion: [px], and what is not known of them."""
 LASTING, NEW = range(2)
 """Places in the shares of the claimed covariance: what lasts of each point by itself, and what is new."""
 
@@ -26,14 +27,21 @@ def keypoint_model(x, points, index, R_eci_ric, lens):
 
     The detector sees the target displaced by the lasting pose error, dt in camera axes and dr in target axes:
     c = R_cam_target exp(dr) p + t + dt. Attitude and dr share a column: no change of the linearisation point can tell
-    one from the other.
+    one from the other. Where errors of the calibration are states, their columns follow those of `FRAME`.
     """
+    known = lens[SIGMA_FOCAL] == 0.0 and lens[SIGMA_PRINCIPAL] == 0.0
+    stretch, shift_x, shift_y = 1.0, 0.0, 0.0
+    if not known:
+        off = x[X.calibration]
+        stretch += lens[SIGMA_FOCAL] * off[0]
+        shift_x, shift_y = lens[SIGMA_PRINCIPAL] * off[1], lens[SIGMA_PRINCIPAL] * off[2]
+    fx, fy = lens[FX] * stretch, lens[FY] * stretch
     R_cr = to_matrix(x[X.q_eci_cam]).T @ R_eci_ric
     R_ct = to_matrix(multiply(x[X.q_cam_target], exp(x[X.pose_rotation])))
     t = -R_cr @ x[X.position]
     T, apparent = skew(t), t + x[X.pose_translation]
     m = len(index)
-    z, H = np.empty(2 * m), np.empty((2 * m, _N_SEEN))
+    z, H = np.empty(2 * m), np.empty((2 * m, _N_SEEN if known else _N_SEEN + N_CALIBRATION))
     J = np.zeros((2, 3))
     for k in range(m):
         p = points[index[k]]
@@ -43,15 +51,20 @@ def keypoint_model(x, points, index, R_eci_ric, lens):
             z_k[:] = np.nan
             H_k[:] = 0.0
             continue
-        z_k[0] = lens[FX] * c[0] / c[2] + lens[CX]
-        z_k[1] = lens[FY] * c[1] / c[2] + lens[CY]
-        J[0, 0], J[0, 2] = lens[FX] / c[2], -lens[FX] * c[0] / c[2] ** 2
-        J[1, 1], J[1, 2] = lens[FY] / c[2], -lens[FY] * c[1] / c[2] ** 2
+        z_k[0] = fx * c[0] / c[2] + lens[CX] + shift_x
+        z_k[1] = fy * c[1] / c[2] + lens[CY] + shift_y
+        J[0, 0], J[0, 2] = fx / c[2], -fx * c[0] / c[2] ** 2
+        J[1, 1], J[1, 2] = fy / c[2], -fy * c[1] / c[2] ** 2
         H_k[:, FRAME.position] = -J @ R_cr
         H_k[:, FRAME.attitude_cam] = J @ T
         H_k[:, FRAME.attitude] = -J @ (R_ct @ skew(p))
         H_k[:, FRAME.pose_translation] = J
         H_k[:, FRAME.pose_rotation] = H_k[:, FRAME.attitude]
+        if not known:
+            H_k[:, _N_SEEN:] = 0.0
+            H_k[0, _N_SEEN] = lens[SIGMA_FOCAL] * lens[FX] * c[0] / c[2]
+            H_k[1, _N_SEEN] = lens[SIGMA_FOCAL] * lens[FY] * c[1] / c[2]
+            H_k[0, _N_SEEN + 1] = H_k[1, _N_SEEN + 2] = lens[SIGMA_PRINCIPAL]
     return z, H
 
 
@@ -152,9 +165,11 @@ def _roots(cov, share):
 @kernel
 def _times_P(H, L, index, P):
     """H P, with H on what a frame sees and each keypoint's own lasting errors."""
-    seen = np.empty((_N_SEEN, len(P)))
+    seen = np.empty((H.shape[1], len(P)))
     seen[FRAME.position], seen[FRAME.attitudes] = P[E.position], P[E.attitudes]
     seen[FRAME.pose_error] = P[E.pose_error]
+    if H.shape[1] > _N_SEEN:
+        seen[_N_SEEN:] = P[E.calibration]
     M = H @ seen
     for k in range(len(index)):
         c = _POINTS_E + 2 * index[k]
@@ -168,9 +183,11 @@ def _times_P(H, L, index, P):
 @kernel
 def _times_Ht(A, H, L, index):
     """A H^T."""
-    seen = np.empty((len(A), _N_SEEN))
+    seen = np.empty((len(A), H.shape[1]))
     seen[:, FRAME.position], seen[:, FRAME.attitudes] = A[:, E.position], A[:, E.attitudes]
     seen[:, FRAME.pose_error] = A[:, E.pose_error]
+    if H.shape[1] > _N_SEEN:
+        seen[:, _N_SEEN:] = A[:, E.calibration]
     out = seen @ H.T
     for k in range(len(index)):
         c = _POINTS_E + 2 * index[k]
@@ -183,8 +200,10 @@ def _times_Ht(A, H, L, index):
 @kernel
 def _applied(H, L, index, e):
     """H e."""
-    seen = np.empty(_N_SEEN)
+    seen = np.empty(H.shape[1])
     seen[FRAME.position], seen[FRAME.attitudes], seen[FRAME.pose_error] = e[E.position], e[E.attitudes], e[E.pose_error]
+    if H.shape[1] > _N_SEEN:
+        seen[_N_SEEN:] = e[E.calibration]
     out = H @ seen
     for k in range(len(index)):
         c = _POINTS_E + 2 * index[k]

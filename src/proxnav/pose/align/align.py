@@ -3,14 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float, UInt8
 
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.perturbation import difference
 from proxnav.geometry.types import PoseCovariance
 from proxnav.pose.align.config import AlignConfig
+from proxnav.pose.align.intrinsics import outline_moves
 from proxnav.pose.align.prior import Prior
-from proxnav.pose.align.refine import FINE, ROUGH, refine
+from proxnav.pose.align.refine import FINE, LAST_STEP, ROUGH, refine
 from proxnav.pose.align.score import Sampling, edge_share, score
 from proxnav.pose.align.target_crop import TargetCrop, target_box
 from proxnav.targets import Target
@@ -46,6 +47,8 @@ class Alignment:
     """Share of the outline that lies on edges of the image."""
     doubt: float
     """1 - median score of the keypoints that it started from."""
+    calibration_moves: Float[np.ndarray, "6 calibration=3"]
+    """As in `PoseResult`; `covariance` holds them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,4 +125,6 @@ def _judged(
     between = np.einsum("k,ki,kj->ij", weights / weights.sum(), away, away)
     share = edge_share(target, best.T_cam_target, crop, _AFTER_FINE)
     alone = config.widening(prior.doubt) * best.covariance
-    return Alignment(best.T_cam_target, config.covariance_scale * alone + between, alone, share, prior.doubt)
+    moves = outline_moves(target, best.T_cam_target, crop, prior, *LAST_STEP)
+    covariance = config.covariance_scale * alone + between + moves @ moves.T
+    return Alignment(best.T_cam_target, covariance, alone, share, prior.doubt, moves)

@@ -1,6 +1,6 @@
 """What the keypoints say before the image itself is compared: a pose with its covariance."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
@@ -9,6 +9,7 @@ from proxnav.geometry import Pose
 from proxnav.geometry.perturbation import difference, moved
 from proxnav.geometry.types import PoseCovariance
 from proxnav.pose.align.config import USUAL_DOUBT
+from proxnav.records import PoseResult
 
 _LEVER_M = 6.0
 """Weight of a radian against a metre across the line of sight when axes of a covariance are compared."""
@@ -26,11 +27,22 @@ class Prior:
     """Inverse of the covariance."""
     doubt: float = USUAL_DOUBT
     """1 - median score of the keypoints."""
+    calibration_moves: Float[np.ndarray, "6 calibration=3"] = field(default_factory=lambda: np.zeros((6, 3)))
+    """As in `PoseResult`; the covariance is without them, because the edges see the same camera."""
 
     @staticmethod
     def of(T_cam_target: Pose, covariance: PoseCovariance, doubt: float = USUAL_DOUBT) -> "Prior":
-        """The prior of a pose, its covariance and the keypoints' doubt."""
+        """The prior of a pose, its covariance and the keypoints' doubt, from a camera that is known exactly."""
         return Prior(T_cam_target, covariance, np.linalg.inv(covariance), doubt)
+
+    @staticmethod
+    def of_result(result: PoseResult, doubt: float) -> "Prior":
+        """The prior that a pose of keypoints is; errors of the camera are kept apart from its covariance."""
+        assert result.T_cam_target is not None
+        assert result.covariance is not None
+        moves = result.calibration_moves
+        covariance = result.covariance - moves @ moves.T if moves.any() else result.covariance
+        return Prior(result.T_cam_target, covariance, np.linalg.inv(covariance), doubt, moves)
 
     def offset(self, T_cam_target: Pose) -> Float[np.ndarray, "6"]:
         """(dt, dr) from the prior's pose to another."""

@@ -46,6 +46,16 @@ ROUGH = Schedule(5.0, (Round(1.5, 8.0, (5.0, 4.0, 3.0), 4.0), Round(1.0, 6.0, (2
 FINE = Schedule(1.0, (Round(0.5, 6.0, (2.0, 1.5, 1.2), 2.0), Round(0.0, 4.0, (1.2, 1.0, 0.8, 0.6, 0.5), 2.0)))
 
 
+def _weight(spacing_px: float, sigma: float) -> float:
+    """Weight of a point of the outline in a step with Gaussians of `sigma` px."""
+    return min(1.0, spacing_px / _APART_PX) * 2.0 / sigma**2
+
+
+_LAST = FINE.rounds[-1]
+LAST_STEP = _LAST.spacing_px, _weight(_LAST.spacing_px, _LAST.sigmas_px[-1])
+"""(distance of points along the outline [px], weight of each) in the step that a pose ends with."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Refined:
     """Where the steps ended."""
@@ -70,7 +80,7 @@ def refine(target: Target, start: Pose, crop: TargetCrop, prior: Prior, schedule
         for sigma in turn.sigmas_px:
             reach = max(turn.reach_px, 3.0 * sigma)
             edge_equations(points, normals, R, t, crop.lens, gx, gy, reach, sigma, least, OUTLIER, H, g)
-            weight = min(1.0, turn.spacing_px / _APART_PX) * 2.0 / sigma**2
+            weight = _weight(turn.spacing_px, sigma)
             take_step(R, t, H, g, weight, prior.information, R0, t0, schedule.prior_weight, information, R2, t2)
             R[:], t[:] = R2, t2
     return Refined(Pose.from_matrix("cam", "target", R, t), information)

@@ -36,7 +36,7 @@ class TargetCrop:
         return TargetCrop(counts, camera.cropped(crop.x, crop.y, crop.size, crop.size).resized(side, side), noise)
 
     @property
-    def lens(self) -> Float[np.ndarray, "lens=10"]:
+    def lens(self) -> Float[np.ndarray, "lens=18"]:
         """The camera as the kernels take it."""
         return lens_numbers(self.camera)
 

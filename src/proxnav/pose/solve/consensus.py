@@ -91,6 +91,14 @@ def cost_behind(fit: Fit, data: Correspondences, config: PoseConfig) -> float:
     return float(np.minimum(_d2(R, t, data, fit.info, side=-1.0), gate2).sum())
 
 
+def robust_weights(fit: Fit, data: Correspondences, config: PoseConfig) -> Float[np.ndarray, "used"]:
+    """Weight that the robust loss leaves each point at its error."""
+    d2 = np.maximum(fit.d2(data), 1e-300)
+    if config.loss == "cauchy":
+        return 1.0 / (1.0 + d2 / _LOSS2)
+    return np.minimum(1.0, np.sqrt(_LOSS2 / d2)) if config.loss == "huber" else np.ones(len(d2))
+
+
 def rms_px(fit: Fit, data: Correspondences) -> float:
     """Root mean square reprojection error of the inliers [px]."""
     unit = np.zeros((len(data.X), 3))
@@ -114,6 +122,9 @@ def _weights(data: Correspondences, scale: float) -> tuple[PixelInformation, Pix
     info, gate_info, ray_info = np.empty((3, len(data.X), 3))
     covariances = data.covariances if scale == 1.0 else data.covariances * scale**2
     weigh(data.xy, covariances, _WEIGHT_FLOOR_PX2, _GATE_FLOOR_PX2, data.lens, info, gate_info, ray_info)
+    if data.calibration_px.any():  # the gate lets pass what the camera's own errors may do
+        wider = covariances + data.calibration_px @ np.swapaxes(data.calibration_px, -1, -2)
+        weigh(data.xy, wider, _WEIGHT_FLOOR_PX2, _GATE_FLOOR_PX2, data.lens, np.empty_like(info), gate_info, ray_info)
     return info, gate_info, ray_info
 
 

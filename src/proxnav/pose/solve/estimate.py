@@ -19,6 +19,7 @@ from proxnav.pose.solve.consensus import (
     turn_between,
 )
 from proxnav.pose.solve.intake import Correspondences, as_flags, correspondences
+from proxnav.pose.solve.intrinsics import intrinsics_moves
 from proxnav.pose.solve.noise import fit_at_unknown_noise
 from proxnav.records import PoseResult
 
@@ -41,7 +42,8 @@ def estimate_pose(
 
     Points not found are NaN or have score 0. `covariances_px2` (n, 2, 2) decide inliers and weights; without them
     `config.sigma_px` is assumed, and enlarged where the points disagree more. The covariance (6, 6) is of (dt, dr) in
-    the camera frame: t_true = t + dt, R_true = exp(dr) R. Failure is a status, see `PoseResult`.
+    the camera frame: t_true = t + dt, R_true = exp(dr) R; it holds what `camera.calibration_sigma` leaves open. Failure
+    is a status, see `PoseResult`.
 
     >>> camera = Camera(width=1024, height=1024, fx=1407.0, fy=1407.0, cx=512.0, cy=512.0)
     >>> cube = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
@@ -62,7 +64,10 @@ def estimate_pose(
 
 def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool, config: PoseConfig) -> PoseResult:
     """The result, or no_consensus where the points do not determine the pose."""
-    reduced = float(fit.d2(data)[fit.use].sum()) / max(2 * int(np.count_nonzero(fit.use)) - 6, 1)
+    T_cam_target = Pose("cam", "target", rotations.from_matrix(fit.R), fit.t - fit.R @ data.centroid)
+    moves, misfit = intrinsics_moves(fit, data, T_cam_target, camera, config)
+    expected = max(2 * int(np.count_nonzero(fit.use)) - 6, 1) + misfit
+    reduced = float(fit.d2(data)[fit.use].sum()) / expected
     covariance = _covariance(information(fit, data, config))
     if covariance is None or not camera.contains(data.pixels[fit.use]).any():
         return PoseResult.failure("no_consensus", len(data.keep))
@@ -74,9 +79,9 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
         return PoseResult.failure("behind_camera", len(data.keep))
     if config.inflation == "residual":
         covariance = covariance * max(1.0, reduced)
-    T_cam_target = Pose("cam", "target", rotations.from_matrix(fit.R), fit.t - fit.R @ data.centroid)
     inliers = as_flags(len(data.keep), np.flatnonzero(data.keep)[fit.use])
-    return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data))
+    covariance = covariance + moves @ moves.T
+    return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data), moves)
 
 
 def _belongs_behind(fit: Fit, data: Correspondences, config: PoseConfig) -> bool:

@@ -10,13 +10,14 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int
 
+from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
-from proxnav.geometry import distortion as brown
 from proxnav.geometry.types import Pixels
 from proxnav.records import Window
 
 _PAD_PX = 3  # fine pixels around, for the interpolation
 _SMALLEST_PX = 4  # Blender renders no smaller picture
+_LARGEST_PX = 16_384  # nor one much larger in the memory of an ordinary machine
 
 
 @dataclass(frozen=True)
@@ -39,11 +40,16 @@ def pinhole_for(camera: Camera, window: Window, oversampling: int) -> Pinhole | 
     xy = xy[np.isfinite(xy).all(axis=-1)]
     if len(xy) == 0:
         return None
-    stretch = np.linalg.svd(brown.jacobian(xy, camera.distortion), compute_uv=False).max()
+    stretch = np.linalg.svd(camera.lens_jacobian(xy), compute_uv=False).max()
     fine = oversampling * max(1.0, float(stretch))
     fx, fy = camera.fx * fine, camera.fy * fine
     low = np.floor(xy.min(axis=0) * (fx, fy)) - _PAD_PX
     width, height = (np.ceil(xy.max(axis=0) * (fx, fy)) + _PAD_PX - low).astype(int)
+    if max(width, height) > _LARGEST_PX:
+        raise InputError(
+            f"Cycles would need a pinhole picture of {width} x {height} px for so wide a lens, {_LARGEST_PX} px is the "
+            "most: render with --renderer raycast, which follows every ray, or a smaller --size"
+        )
     view = Camera(int(width), int(height), fx, fy, float(-low[0]), float(-low[1]))
     return Pinhole(view, window, oversampling)
 

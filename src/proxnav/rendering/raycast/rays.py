@@ -5,10 +5,11 @@ from jaxtyping import Float
 
 from proxnav.geometry import Pose
 from proxnav.geometry.compiled.kernel import ray_kernel
-from proxnav.geometry.compiled.lens import CX, CY, FX, FY, project, undistort
+from proxnav.geometry.compiled.lens import BROWN_CONRADY, CX, CY, FX, FY, MODEL, project, undistort
 from proxnav.geometry.compiled.vectors import dot, minus, plus, put, rotate
 
 _NEAREST_M = 1e-3
+_BOW, _WIDE_BOW = 0.01, 0.2  # edges between vertices bow outwards under distortion by this share, see Camera.bow
 
 
 @ray_kernel
@@ -45,11 +46,11 @@ def _box(vertices, R, t, lens):
 
 
 def projected_box(
-    vertices: Float[np.ndarray, "n 3"], T_cam_target: Pose, lens: Float[np.ndarray, "lens=10"]
+    vertices: Float[np.ndarray, "n 3"], T_cam_target: Pose, lens: Float[np.ndarray, "lens=18"]
 ) -> tuple[float, float, float, float] | None:
     """(x0, y0, x1, y1) [px] that holds the image of the mesh with a margin; None when it cannot be bounded."""
     x0, y0, x1, y1 = _box(vertices, T_cam_target.R, T_cam_target.t_m, lens)
     if np.isnan(x0):
         return None
-    margin = 2.0 + 0.01 * max(x1 - x0, y1 - y0)  # edges between vertices bulge under distortion
+    margin = 2.0 + (_BOW if lens[MODEL] == BROWN_CONRADY else _WIDE_BOW) * max(x1 - x0, y1 - y0)
     return x0 - margin, y0 - margin, x1 + margin, y1 + margin

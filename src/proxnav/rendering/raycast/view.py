@@ -48,7 +48,7 @@ class RenderView:
     model: Model
     textures: TexelTable
     lights: Lights
-    lens: Float[np.ndarray, "lens=10"]
+    lens: Float[np.ndarray, "lens=18"]
     """The camera as `lens_numbers` gives it."""
     R_target_cam: Float[np.ndarray, "3 3"]
     eye: Float[np.ndarray, "3"]

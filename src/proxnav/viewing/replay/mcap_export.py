@@ -74,12 +74,19 @@ def messages(replay: Replay, step: ReplayStep, stamp_ns: int) -> dict[str, dict[
     return said
 
 
+def ros_model(camera: Camera) -> str:
+    """Name that ROS has for the camera's lens."""
+    if camera.projection == "fisheye":
+        return "equidistant"
+    return "plumb_bob" if len(camera.distortion) == 5 else "rational_polynomial"
+
+
 def camera_info(camera: Camera) -> dict[str, Any]:
     """Fields of sensor_msgs/CameraInfo; ROS puts pixel (0, 0) at the centre of the first pixel."""
     K, d = camera.to_opencv()
     roi = {"x_offset": 0, "y_offset": 0, "height": 0, "width": 0, "do_rectify": False}
     return {
-        "height": camera.height, "width": camera.width, "distortion_model": "plumb_bob", "d": d.tolist(),
+        "height": camera.height, "width": camera.width, "distortion_model": ros_model(camera), "d": d.tolist(),
         "k": K.ravel().tolist(), "r": np.eye(3).ravel().tolist(), "p": np.c_[K, np.zeros(3)].ravel().tolist(),
         "binning_x": 0, "binning_y": 0, "roi": roi,
     }  # fmt: skip
