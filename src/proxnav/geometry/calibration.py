@@ -56,7 +56,7 @@ def pose_moves(
     """How far the weighted least-squares pose of n image points moves when the assumed camera moves them by C [px].
 
     The pose is where sum J^T W (z - h(pose, c)) = 0; by the implicit function theorem, residuals times second
-    derivatives left aside, dpose/dc = -(sum J^T W J)^-1 sum J^T W C. J: pixels by pose; C: pixels by the camera's errors.
+    derivatives left aside, dpose/dc = -(sum J^T W J)^-1 sum J^T W C. J, C: pixels by pose, and by the camera's errors.
     """
     H = np.einsum("...kai,...kab,...kbj->...ij", J, W, J)
     scale = 1.0 / np.sqrt(np.maximum(np.einsum("...ii->...i", H), 1e-300))[..., None]

@@ -76,7 +76,7 @@ def fold_radius(k: tuple[float, ...]) -> float:
     return float(np.sqrt(real.min())) if real.size else np.inf
 
 
-_Radii = Float[np.ndarray, "*batch"] | np.float64
+_Radii = Float[np.ndarray, "*batch"] | float
 
 
 def _radial(r2: _Radii, k: tuple[float, ...]) -> tuple[_Radii, _Radii]:

@@ -102,9 +102,10 @@ def _yaml(text: str) -> Any:
     class Loader(yaml.SafeLoader):
         """With OpenCV's matrices as mappings."""
 
-    Loader.add_constructor(
-        "tag:yaml.org,2002:opencv-matrix", lambda loader, node: loader.construct_mapping(node, deep=True)
-    )
+    def matrix(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Any, Any]:
+        return loader.construct_mapping(node, deep=True)
+
+    Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", matrix)  # pyright: ignore[reportArgumentType]
     lines = [line for line in text.splitlines() if not line.startswith("%")]
     try:
         return yaml.load("\n".join(lines), Loader)
