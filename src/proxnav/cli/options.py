@@ -50,13 +50,21 @@ class CalibrationOptions:
         """The camera of a calibration file; prints what was converted or assumed."""
         return self.calibrated(camera_from(path))
 
-    def camera_or(self, path: Path | None, otherwise: Camera) -> Camera:
-        """The camera of a calibration file where one is given."""
-        return self.calibrated(otherwise) if path is None else self.camera_from(path)
-
     def calibrated(self, camera: Camera) -> Camera:
         """A camera with the errors that the options name, where they name any."""
         return camera if self.calibration_sigma.is_exact else replace(camera, calibration_sigma=self.calibration_sigma)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraOptions(CalibrationOptions):
+    """Another camera than that of the mission, the data set or the records."""
+
+    camera: Path | None = None
+    """Calibration file of the camera: docs/cameras.md; the input's own when not given."""
+
+    def camera_or(self, otherwise: Callable[[], Camera]) -> Camera:
+        """The camera of the file, or the input's own."""
+        return self.calibrated(otherwise()) if self.camera is None else self.camera_from(self.camera)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,19 +6,17 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import CalibrationOptions, ModelOptions, WorkerOptions
+from proxnav.cli.options import CameraOptions, ModelOptions, WorkerOptions
 
 
 @dataclass(frozen=True)
-class EstimateConfig(ModelOptions, CalibrationOptions, WorkerOptions):
+class EstimateConfig(ModelOptions, CameraOptions, WorkerOptions):
     """Estimates the pose of the target in every image and writes poses.json (SPEED+ keys, status, covariance)."""
 
     input: Annotated[Path, tyro.conf.Positional]
     """A data set, a folder of images, or one image."""
     out: Path = Path("poses.json")
     """File to write."""
-    camera: Path | None = None
-    """Calibration file of the camera; the data set's own when not given."""
     threads: int = 0
     """Threads of the network; 0 takes all cores."""
 
@@ -33,7 +31,7 @@ def run(config: EstimateConfig) -> None:
 
     check_new_file(config.out)
     images = find_images(config.input)
-    camera = config.camera_from(config.camera) if config.camera else config.calibrated(camera_beside(config.input))
+    camera = config.camera_or(lambda: camera_beside(config.input))
     say_when_compiling("pose")
     with progress("estimate", len(images)) as done:
         records, _ = estimate_images(

@@ -7,12 +7,12 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import CalibrationOptions, WorkerOptions
+from proxnav.cli.options import CameraOptions, WorkerOptions
 from proxnav.navigation.config import NavigationConfig
 
 
 @dataclass(frozen=True)
-class NavigateConfig(CalibrationOptions, WorkerOptions):
+class NavigateConfig(CameraOptions, WorkerOptions):
     """Runs the filter over a records folder: solution.csv and .parquet, summary.json.
 
     Where truth is known also errors, and errors.png that shows them in three standard deviations. A folder of flights
@@ -25,8 +25,6 @@ class NavigateConfig(CalibrationOptions, WorkerOptions):
     """Folder of the solution; the records folder when not given."""
     target: str | None = None
     """Name or file of the target whose keypoints the detector found; the records' mission says it, else space-rider."""
-    camera: Path | None = None
-    """Calibration file of the camera; the camera.json beside the records when not given."""
     truth: Path | None = None
     """truth.csv to compare with; the one beside the records when not given."""
     step_s: float = 1.0

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import CalibrationOptions, DryRunOptions, MissionOptions, WorkerOptions
+from proxnav.cli.options import CameraOptions, DryRunOptions, MissionOptions, WorkerOptions
 from proxnav.missions import Mission
 from proxnav.records.scene import SceneSpec, Textures
 from proxnav.rendering.config import FrameConfig, Renderer
@@ -14,7 +14,7 @@ from proxnav.trajectories.readers.config import ReaderConfig
 
 
 @dataclass(frozen=True)
-class RenderConfig(MissionOptions, CalibrationOptions, WorkerOptions, DryRunOptions):
+class RenderConfig(MissionOptions, CameraOptions, WorkerOptions, DryRunOptions):
     """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
 
     out: Path
@@ -23,8 +23,6 @@ class RenderConfig(MissionOptions, CalibrationOptions, WorkerOptions, DryRunOpti
     """Trajectory file(s) in place of the mission's: docs/trajectories.md"""
     reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What the trajectory files do not say themselves."""
-    camera: Path | None = None
-    """Calibration file of your own camera."""
     sensor: str | None = None
     """speed-class or cmv4000-class, either also with -colour."""
     particles: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
@@ -69,9 +67,8 @@ def mission_of(config: RenderConfig) -> Mission:
     from proxnav.missions.changes import changed
 
     mission = config.read_mission()
-    return changed(
-        mission, config.camera_or(config.camera, mission.camera), config.sensor, config.particles, config.textures
-    )
+    camera = config.camera_or(lambda: mission.camera)
+    return changed(mission, camera, config.sensor, config.particles, config.textures)
 
 
 def scenes_of(config: RenderConfig, mission: Mission) -> list[SceneSpec]:
