@@ -2,7 +2,9 @@
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
 
 from proxnav.cli.commands import COMMANDS, Command, Group
 
@@ -33,7 +35,8 @@ def _run(name: str, argv: list[str]) -> int:
     from proxnav.errors import InputError
 
     try:
-        _choose(name, argv)
+        with _notes_in_a_line(name):
+            _choose(name, argv)
     except InputError as error:
         print(f"proxnav {name}: {error}", file=sys.stderr)
         return 1
@@ -55,6 +58,27 @@ def _run(name: str, argv: list[str]) -> int:
         print(f"proxnav {name}: needs {error.name}: pip install 'proxnav[{_EXTRAS[error.name]}]'", file=sys.stderr)
         return 1
     return 0
+
+
+@contextmanager
+def _notes_in_a_line(name: str) -> Iterator[None]:
+    """Within it, an `InputNote` is one line on stderr; other warnings keep their form."""
+    import warnings
+
+    from proxnav.errors import InputNote
+
+    as_ever = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        if issubclass(category, InputNote):
+            print(f"proxnav {name}: note: {message}", file=sys.stderr)
+        else:
+            as_ever(message, category, *where)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", InputNote)
+        warnings.showwarning = show
+        yield
 
 
 def _choose(name: str, argv: list[str]) -> None:

@@ -48,6 +48,7 @@ def run(config: RenderConfig) -> None:
     from proxnav.benchmarks.dry_run import rendering_dry_run
     from proxnav.cli.progress import progress, say_when_compiling
     from proxnav.missions import MISSION, write_mission
+    from proxnav.missions.daylight import eclipse_line
     from proxnav.rendered_set import render
 
     say_when_compiling("rendering")
@@ -59,7 +60,7 @@ def run(config: RenderConfig) -> None:
     with progress("render", len(scenes)) as done:
         dataset = render(scenes, rendering, config.out, config.workers, done, config.on)
     write_mission(config.out / MISSION, mission)
-    print(f"{len(dataset)} frames in {config.out}")
+    print(", ".join(filter(None, [f"{len(dataset)} frames in {config.out}", eclipse_line(scenes)])))
 
 
 def mission_of(config: RenderConfig) -> Mission:

@@ -1,6 +1,7 @@
 """Generated trajectories by name."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from proxnav.errors import InputError
 from proxnav.missions.mission import Mission
@@ -11,19 +12,23 @@ from proxnav.trajectories import (
     ApproachConfig,
     FlightConfig,
     HoldConfig,
+    OrbitConfig,
     hold,
     straight_approach,
     walking_safety_ellipse,
 )
 
 DAYLIGHT = FlightConfig(epoch_utc="2024-11-01T00:30:00Z")
-"""The target comes out of Earth's shadow as the flight begins."""
+"""Of whole orbits: the target comes out of Earth's shadow a seventh of an orbit after the flight begins."""
+
+AFTERNOON = replace(DAYLIGHT, orbit=OrbitConfig(argument_of_latitude_deg=250.0))
+"""Of ten minutes from behind: lit throughout, the Sun 58 deg from behind the camera as they begin, 21 deg as they end."""
 
 FLIGHTS: dict[str, Callable[[], Trajectory]] = {
     "spiral-10-100m": lambda: walking_safety_ellipse(OBSERVATION_10_100_STRICT, DAYLIGHT),
     "spiral-200-350m": lambda: walking_safety_ellipse(SROC_200_350, DAYLIGHT),
-    "approach-100-10m": lambda: straight_approach(ApproachConfig(), DAYLIGHT),
-    "hold-30m": lambda: hold(HoldConfig(), DAYLIGHT),
+    "approach-100-10m": lambda: straight_approach(ApproachConfig(), AFTERNOON),
+    "hold-30m": lambda: hold(HoldConfig(), AFTERNOON),
 }
 
 

@@ -1,17 +1,19 @@
 """The scenes of a mission: drawn one by one from its ranges, or along a trajectory."""
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.geometry import Camera
+from proxnav.missions.daylight import in_light
 from proxnav.missions.flights import fly_mission
 from proxnav.missions.mission import Mission
 from proxnav.missions.views import accepted_views
 from proxnav.records import SceneSpec, Trajectory
 from proxnav.scenes.from_trajectory import SceneConfig, scene_at
 from proxnav.scenes.random_scene import random_scene
-from proxnav.trajectories.selection import observable, select, spread
+from proxnav.trajectories.selection import spread
 
 LARGEST_SIDE_PX = 16_384
 
@@ -42,10 +44,19 @@ def draw_scenes(mission: Mission, frames: int, seed: int, size: int | None = Non
 def follow(
     trajectory: Trajectory, mission: Mission, frames: int, seed: int, size: int | None = None
 ) -> list[SceneSpec]:
-    """`frames` scenes spread evenly over the observable part of a trajectory; over all of it if there is none."""
+    """`frames` scenes spread evenly over the part of a trajectory whose light the mission wants.
+
+    InputError where all of it is dark, unless the mission wants eclipse.
+    """
     _check_order(frames, seed)
-    usable = observable(trajectory, mission.scenes.sun.max_phase_rad)
-    seen = spread(select(trajectory, usable) if usable.any() else trajectory, frames)
+    seen = spread(in_light(trajectory, mission), frames)
+    if len(seen) < frames:
+        warnings.warn(
+            f"{trajectory.source}: {len(seen)} of its {len(trajectory)} instants have the light that the mission wants, "
+            f"fewer than the {frames} frames asked for",
+            InputNote,
+            stacklevel=2,
+        )
     camera = resized(mission.camera, size)
     config = SceneConfig(sensor=mission.sensor, cloud_seed=seed, sequence=seen.source)
     return [
