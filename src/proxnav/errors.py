@@ -1,4 +1,4 @@
-"""What is said about the input: the one error type that means "it is wrong", as opposed to "proxnav is wrong"; notes."""
+"""What is said about the input: the one error type that means "the input is wrong" (not: "proxnav is wrong"), notes."""
 
 
 class InputError(ValueError):

@@ -16,7 +16,7 @@ META_START
 OBJECT_NAME = SROC
 OBJECT_ID = 2024-001A
 CENTER_NAME = EARTH
-REF_FRAME = EME2000
+REF_FRAME = ICRF
 TIME_SYSTEM = UTC
 START_TIME = 2024-11-01T00:00:00
 STOP_TIME = 2024-11-01T00:00:20
@@ -33,7 +33,7 @@ COVARIANCE_STOP
 META_START
 OBJECT_NAME = SROC
 CENTER_NAME = EARTH
-REF_FRAME = EME2000
+REF_FRAME = ICRF
 TIME_SYSTEM = UTC
 STOP_TIME = 2024-11-01T00:00:40
 META_STOP
@@ -46,7 +46,7 @@ CREATION_DATE = 2024-10-31T00:00:00
 ORIGINATOR = TEST
 META_START
 OBJECT_NAME = SROC
-REF_FRAME_A = EME2000
+REF_FRAME_A = ICRF
 REF_FRAME_B = SC_BODY_1
 ATTITUDE_DIR = A2B
 TIME_SYSTEM = UTC
@@ -80,6 +80,22 @@ def test_states_are_kilometres_and_segments_stay_apart(tmp_path):
     r, v = sample_orbit(history, EPOCH, np.array([5.0, 20.0, 30.0]))
     assert r == pytest.approx(np.array([[7e6, 5e3, 0.0], [7e6, 20e3, 0.0], [7e6, 10e3, 0.0]]))
     assert v[:, 1] == pytest.approx([1e3, -1e3, -1e3])
+
+
+def test_covariance_matrices_are_noted_and_not_used(tmp_path):
+    (history,) = read_oem(write(tmp_path, OEM))
+    assert history.note == "its 1 covariance matrices are not used"
+    plain = OEM.split("COVARIANCE_START")[0] + OEM.split("COVARIANCE_STOP\n")[1]
+    assert read_oem(write(tmp_path, plain))[0].note == ""
+
+
+@pytest.mark.parametrize(("system", "ahead_s"), [("TAI", 37.0), ("GPS", 18.0), ("TT", 69.184)])
+def test_epochs_of_other_time_systems_become_utc(tmp_path, system, ahead_s):
+    (orbit,) = read_oem(write(tmp_path, OEM.replace("TIME_SYSTEM = UTC", f"TIME_SYSTEM = {system}")))
+    assert EPOCH - orbit.epoch == pytest.approx(ahead_s, abs=1e-9)
+    assert orbit.segments[0].t.tolist() == [0.0, 10.0, 20.0]
+    (attitude,) = read_aem(write(tmp_path, AEM.replace("TIME_SYSTEM = UTC", f"TIME_SYSTEM = {system}")))
+    assert EPOCH - attitude.epoch == pytest.approx(ahead_s, abs=1e-9)
 
 
 def test_several_objects_in_one_message_are_several_histories(tmp_path):
@@ -123,10 +139,13 @@ def test_attitudes_from_a_to_b_turn_body_vectors_into_reference_vectors(tmp_path
     "changes",
     [
         {"A2B": "B2A", "0.5 0.866": "-0.5 0.866"},
-        {"REF_FRAME_A = EME2000": "REF_FRAME_A = SC_BODY_1", "REF_FRAME_B = SC_BODY_1": "REF_FRAME_B = EME2000",
+        {"REF_FRAME_A = ICRF": "REF_FRAME_A = SC_BODY_1", "REF_FRAME_B = SC_BODY_1": "REF_FRAME_B = ICRF",
          "A2B": "B2A"},
         {"LAST": "FIRST", "0.0 0.0 0.5 0.8660254037844386": "0.8660254037844386 0.0 0.0 0.5"},
         {"QUATERNION_TYPE = LAST\n": "", "AEM_VERS = 1.0": "AEM_VERS = 2.0"},
+        {"QUATERNION_TYPE = LAST\n": "", "ATTITUDE_DIR = A2B\n": "", "AEM_VERS = 1.0": "AEM_VERS = 2.0"},
+        {"= QUATERNION\nQUATERNION_TYPE = LAST": "= EULER_ANGLE\nEULER_ROT_SEQ = ZYX", "ATTITUDE_DIR = A2B\n": "",
+         "AEM_VERS = 1.0": "AEM_VERS = 2.0", "0.0 0.0 0.5 0.8660254037844386": "60.0 0.0 0.0"},
         {"= QUATERNION\n": "= QUATERNION/RATE\n", "0.8660254037844386\n": "0.8660254037844386 0 0 0.1\n"},
         {"= QUATERNION\nQUATERNION_TYPE = LAST": "= EULER_ANGLE\nEULER_ROT_SEQ = 321",
          "0.0 0.0 0.5 0.8660254037844386": "60.0 0.0 0.0"},
@@ -151,9 +170,10 @@ def test_the_place_of_the_scalar_is_demanded_where_version_one_leaves_it_open(tm
     ("old", "new", "message"),
     [
         ("CCSDS_OEM_VERS = 2.0", "", "CCSDS_OEM_VERS is missing"),
-        ("TIME_SYSTEM = UTC", "TIME_SYSTEM = TDB", "line 4: TIME_SYSTEM is TDB"),
+        ("TIME_SYSTEM = UTC", "TIME_SYSTEM = MET", "line 4: TIME_SYSTEM is MET, read are UTC, TAI, GPS, TT and TDB"),
+        ("TIME_SYSTEM = UTC", "TIME_SYSTEM = TAI", "line 4: epochs in TAI and UTC: export all META sections in UTC"),
         ("CENTER_NAME = EARTH", "CENTER_NAME = MARS", "line 4: CENTER_NAME is MARS"),
-        ("REF_FRAME = EME2000", "REF_FRAME = B1950", "line 4: REF_FRAME B1950, EME2000 is not supported"),
+        ("REF_FRAME = ICRF", "REF_FRAME = B1950", "line 4: REF_FRAME B1950, ICRF is not supported"),
         ("META_STOP\nCOMMENT", "COMMENT", "line 22: META_START before META_STOP|COVARIANCE_START before META_STOP"),
         ("7000.0 10.0 0.0 0.0 1.0 0.0", "7000.0 10.0", "line 15: expected 6 numbers after the epoch as in the rows"),
         ("2024-306T00:00:10.000", "2024-400T00:00:10", "line 15: '2024-400T00:00:10' is no epoch"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import R_eci_lvlh
 from proxnav.trajectories import (
@@ -98,7 +98,8 @@ def test_a_single_orbit_is_the_targets_and_the_chaser_holds(shared_data):
 def test_relative_reports_need_no_orbit(tmp_path):
     path = tmp_path / "ric.csv"
     path.write_text("Time (EpSec),Radial (m),In-Track (m),Cross-Track (m)\n0,1,-30,2\n10,1,-29,2\n20,1,-28,2\n")
-    trajectory = read_trajectory([path])
+    with pytest.warns(InputNote, match=r"RIC .*: 28\.\d* to 30\.\d* m from the target, whose orbit is a circle"):
+        trajectory = read_trajectory([path])
     assert trajectory.range_m[0] == pytest.approx(np.sqrt(1 + 900 + 4))
     assert len(trajectory) == 3
 

@@ -3,17 +3,19 @@
 import numpy as np
 import pytest
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import geodetic_to_ecef, q_eci_ecef, q_eci_mod
 from proxnav.geometry.epochs import parse_iso
 from proxnav.trajectories.orbit import OrbitConfig, fly_orbit
 from proxnav.trajectories.readers.history import sample_attitude, sample_orbit
+from proxnav.trajectories.readers.reference_frames import q_eci_frame
 from proxnav.trajectories.readers.stk_attitude import read_stk_attitude
 from proxnav.trajectories.readers.stk_ephemeris import read_stk_ephemeris
 
 EPOCH = parse_iso("2024-11-01T00:00:00Z")
 X, Y, Z = np.eye(3)
+ICRF = ("CoordinateAxes ICRF",)
 
 
 def ephemeris(tmp_path, rows, block="EphemerisTimePosVel", head=("CoordinateSystem ICRF",), name="craft.e", tail=()):
@@ -24,7 +26,7 @@ def ephemeris(tmp_path, rows, block="EphemerisTimePosVel", head=("CoordinateSyst
     return path
 
 
-def attitude(tmp_path, block, rows, head=("CoordinateAxes J2000",)):
+def attitude(tmp_path, block, rows, head=("CoordinateAxes ICRF",)):
     lines = ["stk.v.8.0", "BEGIN Attitude", "ScenarioEpoch 1 Nov 2024 00:00:00.0", *head, block]
     lines += [" ".join(str(value) for value in row) for row in rows]
     path = tmp_path / "craft.a"
@@ -63,7 +65,7 @@ def test_geodetic_positions_are_earth_fixed(shared_data):
     history = read_stk_ephemeris(shared_data / "stk" / "Id392.e")
     assert (history.frame.kind, history.nodes, len(history.segments[0].t)) == ("ecef", 2, 5)
     r, _ = sample_orbit(history, history.epoch, np.array([0.0, 1800.0]))
-    q = q_eci_ecef("2007-07-01T12:00:00Z", np.array([0.0, 1800.0]))
+    q = q_eci_frame(history.frame, parse_iso("2007-07-01T12:00:00Z"), np.array([0.0, 1800.0]))
     fixed = quaternion.rotate(quaternion.conjugate(q), r)
     corners = geodetic_to_ecef(np.deg2rad([10.0, 10.0]), np.deg2rad([-16.0, -14.0]), np.array([1000.0, 1000.0]))
     assert fixed[0] == pytest.approx(corners[0], abs=1e-3)
@@ -97,7 +99,7 @@ def test_distance_unit_and_case_of_keywords(tmp_path):
     assert history.segments[0].rates[3] == pytest.approx(orbit_rows(60.0)[3, 4:])
 
 
-@pytest.mark.parametrize("system", ["TEMEOfDate", "MeanOfDate", "TrueOfDate"])
+@pytest.mark.parametrize("system", ["MeanOfDate", "TrueOfDate"])
 def test_frames_of_date_are_precessed(tmp_path, system):
     history = read_stk_ephemeris(ephemeris(tmp_path, orbit_rows(60.0), head=(f"CoordinateSystem {system}",)))
     r, _ = sample_orbit(history, EPOCH, np.array([0.0]))
@@ -151,6 +153,30 @@ def test_a_boundary_without_a_repeated_row_splits_there(tmp_path):
     assert sample_orbit(history, EPOCH, np.array([35.0]))[0][0, 0] == pytest.approx(7e6 + 275.0)
 
 
+def test_fewer_rows_than_declared_are_all_read_with_a_note_where_the_block_ends_as_it_should(tmp_path):
+    path = ephemeris(tmp_path, orbit_rows(60.0), head=("CoordinateSystem ICRF", "NumberOfEphemerisPoints 99"))
+    with pytest.warns(InputNote, match="numberofephemerispoints is 99, the 40 rows that there are before END are read"):
+        assert len(read_stk_ephemeris(path).segments[0].t) == 40
+    path.write_text(path.read_text().replace("END Ephemeris", ""))
+    with pytest.raises(InputError, match="the file is cut off"):
+        read_stk_ephemeris(path)
+
+
+def test_lvlh_of_stk_has_x_outward_and_its_vvlh_has_z_to_nadir(tmp_path):
+    kinds = {}
+    for axes in ("LVLH", "VVLH", "RIC"):
+        path = attitude(tmp_path, "AttitudeTimeQuaternions", [(0.0, 0, 0, 0, 1)], (f"CoordinateAxes {axes}",))
+        kinds[axes] = read_stk_attitude(path).frame.kind
+    assert kinds == {"LVLH": "ric", "VVLH": "lvlh", "RIC": "ric"}  # as STK's Vector Geometry Tool defines them
+
+
+def test_a_covariance_block_is_noted(tmp_path):
+    tail = ("CovarianceTimePos", "0.0 1 0 1 0 0 1")
+    assert (
+        read_stk_ephemeris(ephemeris(tmp_path, orbit_rows(60.0), tail=tail)).note == "its covariance block is not used"
+    )
+
+
 def test_more_rows_than_declared_are_cut_with_a_warning(tmp_path):
     path = ephemeris(tmp_path, orbit_rows(60.0), head=("CoordinateSystem ICRF", "NumberOfEphemerisPoints 30"))
     with pytest.warns(UserWarning, match="the 10 rows after that are ignored"):
@@ -190,37 +216,38 @@ SIXTY = quaternion.exp(np.deg2rad(60.0) * Z)
     ],
 )
 def test_every_block_of_agis_example_is_a_turn_by_sixty_degrees_about_z(tmp_path, block, row, head):
-    path = attitude(tmp_path, block, [(0.0, *row), (10.0, *row)], ("CoordinateAxes J2000", *head))
+    path = attitude(tmp_path, block, [(0.0, *row), (10.0, *row)], ("CoordinateAxes ICRF", *head))
     assert quaternion.angle_between(q_at(read_stk_attitude(path), 5.0), SIXTY) < 1e-6
 
 
 def test_yaw_pitch_roll_turn_about_the_reference_axes_and_euler_angles_about_moved_ones(tmp_path):
     rows = [(0.0, 90.0, 90.0, 0.0)]
-    ypr = read_stk_attitude(attitude(tmp_path, "AttitudeTimeYPRAngles", rows))
+    ypr = read_stk_attitude(attitude(tmp_path, "AttitudeTimeYPRAngles", rows, ICRF))
     assert body_axis(ypr, X) == pytest.approx(Y, abs=1e-9)  # yaw takes x to y, pitch about the fixed y leaves it
-    euler = read_stk_attitude(attitude(tmp_path, "AttitudeTimeEulerAngles", rows, ("Sequence 321",)))
+    euler = read_stk_attitude(attitude(tmp_path, "AttitudeTimeEulerAngles", rows, (*ICRF, "Sequence 321")))
     assert body_axis(euler, X) == pytest.approx(-Z, abs=1e-9)  # pitch about the yawed y takes it down
-    nodal = read_stk_attitude(attitude(tmp_path, "AttitudeTimeEulerAngles", rows))
+    nodal = read_stk_attitude(attitude(tmp_path, "AttitudeTimeEulerAngles", rows, ICRF))
     assert body_axis(nodal, Z) == pytest.approx(X, abs=1e-9)  # 313: inclination 90 deg, node at y
 
 
 def test_columns_of_yaw_pitch_roll_keep_their_order_whatever_the_sequence(tmp_path):
-    path = attitude(tmp_path, "AttitudeTimeYPRAngles", [(0.0, 0.0, 0.0, 90.0)], ("Sequence 123",))
+    path = attitude(tmp_path, "AttitudeTimeYPRAngles", [(0.0, 0.0, 0.0, 90.0)], (*ICRF, "Sequence 123"))
     assert body_axis(read_stk_attitude(path), Y) == pytest.approx(Z, abs=1e-9)
 
 
 def test_earth_fixed_axes_turn_with_earth(tmp_path):
     rows = [(0.0, 0, 0, 0, 1), (3600.0, 0, 0, 0, 1)]
     path = attitude(tmp_path, "AttitudeTimeQuaternions", rows, ("CoordinateAxes Fixed",))
-    expected = q_eci_ecef("2024-11-01T00:00:00Z", np.array([1800.0]))[0]
-    assert quaternion.angle_between(q_at(read_stk_attitude(path), 1800.0), expected) < 1e-9
+    expected = q_eci_ecef("2024-11-01T00:00:00Z", np.array([1800.0]))[0]  # without nutation, which is up to 9e-5 rad
+    assert quaternion.angle_between(q_at(read_stk_attitude(path), 1800.0), expected) < 9e-5
 
 
 def test_the_sample_attitude_file_reads(shared_data):
     history = read_stk_attitude(shared_data / "stk" / "SatelliteTests_Satellite1.a")
     assert history.epoch == parse_iso("1999-07-01T00:00:00Z")
     assert (history.nodes, history.note, history.segments[0].t[-1]) == (3, "", 93600.0)
-    assert sample_attitude(history, history.epoch, np.array([1000.0])) == pytest.approx(np.array([[1.0, 0, 0, 0]]))
+    q = sample_attitude(history, history.epoch, np.array([1000.0]))
+    assert q == pytest.approx(np.array([[1.0, 0, 0, 0]]), abs=6e-8)  # J2000 differs from ICRF by 0.02 arcsec
 
 
 @pytest.mark.parametrize(
@@ -232,7 +259,7 @@ def test_the_sample_attitude_file_reads(shared_data):
 )
 def test_dates_may_stand_for_seconds(tmp_path, time_format, times):
     rows = [(times[0], 0, 0, 0, 1), (times[1], 0, 0, 1, 0)]
-    path = attitude(tmp_path, "AttitudeTimeQuaternions", rows, ("CoordinateAxes J2000", f"TimeFormat {time_format}"))
+    path = attitude(tmp_path, "AttitudeTimeQuaternions", rows, ("CoordinateAxes ICRF", f"TimeFormat {time_format}"))
     turn = q_at(read_stk_attitude(path), 5.0)
     assert np.degrees(np.linalg.norm(quaternion.log(turn))) == pytest.approx(90.0)
 
@@ -242,7 +269,7 @@ def test_a_declared_order_interpolates_by_polynomials_and_survives_sign_flips(tm
     q = quaternion.exp(0.03 * t[:, None] ** 1.5 / 10.0 * Z)
     q[1::2] *= -1.0
     rows = [(a, *b[1:], b[0]) for a, b in zip(t, q, strict=True)]
-    path = attitude(tmp_path, "AttitudeTimeQuaternions", rows, ("CoordinateAxes J2000", "InterpolationOrder 5"))
+    path = attitude(tmp_path, "AttitudeTimeQuaternions", rows, ("CoordinateAxes ICRF", "InterpolationOrder 5"))
     truth = quaternion.exp(0.03 * 45.0**1.5 / 10.0 * Z)
     assert quaternion.angle_between(q_at(read_stk_attitude(path), 45.0), truth) < 2e-5
 
@@ -266,7 +293,7 @@ def test_rates_that_disagree_with_the_quaternions_are_noted(tmp_path):
         ("ICRF", "ICRF\nDistanceUnit Parsec", r"line 5: unknown DistanceUnit 'Parsec'"),
         ("ICRF", "ICRF\nCentralBody Moon", r"line 5: CentralBody is Moon"),
         ("ICRF", "ICRF\nInterpolationMethod Cubic", r"line 5: unknown InterpolationMethod"),
-        ("ICRF", "ICRF\nNumberOfEphemerisPoints 99", "says 99 points, found 40: the file is cut off"),
+        ("ICRF", "ICRF\nNumberOfEphemerisPoints 0", "says 0 points, found 40"),
         ("EphemerisTimePosVel", "EphemerisTimeFoo", "numbers outside a data block"),
         ("1.200000000000000e+02 ", "3.0 ", r"line 8: time goes backwards from 60 s to 3 s"),
         ("1.200000000000000e+02 ", "", r"line 8: a row of ephemeristimeposvel needs 7 numbers, found 6"),
@@ -296,7 +323,7 @@ def test_a_damaged_ephemeris_is_one_sentence_that_names_the_place(tmp_path, old,
     ],
 )
 def test_a_damaged_attitude_file_is_one_sentence(tmp_path, block, row, head, message):
-    path = attitude(tmp_path, block, [(0.0, *row)], ("CoordinateAxes J2000", *head))
+    path = attitude(tmp_path, block, [(0.0, *row)], ("CoordinateAxes ICRF", *head))
     with pytest.raises(InputError, match=message):
         read_stk_attitude(path)
 

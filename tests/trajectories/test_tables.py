@@ -39,7 +39,7 @@ def read(tmp_path, text, columns=(), **options):
 
 def test_an_stk_report_brings_its_units_frame_epoch_and_object(tmp_path):
     (orbit,) = histories(read_report(csv_file(tmp_path, REPORT, "report.txt")), ReaderConfig())
-    assert (orbit.name, orbit.frame.kind, orbit.epoch) == ("SROC", "eci", EPOCH)
+    assert (orbit.name, orbit.frame.kind, orbit.epoch) == ("SROC", "j2000", EPOCH)
     assert orbit.segments[0].t.tolist() == [0.0, 60.0]
     assert orbit.segments[0].values[0].tolist() == [7e6, 0.0, 0.0]
     assert orbit.segments[0].rates[1].tolist() == [-500.0, 7480.0, 0.0]
@@ -137,18 +137,33 @@ def test_relative_positions_are_recognised(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "options", "message"),
     [
-        ("", "", {}, "column x_1 has no unit; give position_unit, for example km"),
-        ("", "", {"position_unit": "km"}, "column vx_1 has no unit; give velocity_unit, for example km/s"),
-        ("", "", {"position_unit": "furlong"}, "position_unit 'furlong' is unknown"),
-        ("", "", {"position_unit": "km", "velocity_unit": "km/s"}, "the reference frame is not in the file"),
-        ("", "", {"position_unit": "km", "velocity_unit": "km/s", "frame": "Moon"}, "frame 'Moon' is unknown"),
-        ("x_1", "x_1 (parsec)", {}, r"line 1: unknown unit 'parsec' of column x_1 \(parsec\)"),
+        ("", "", {"frame": "J2000"}, "column x_1 has no unit; say --reader.position-unit m or km"),
+        ("", "", {"frame": "J2000", "position_unit": "km"}, "vx_1 has no unit; say --reader.velocity-unit m/s or km/s"),
+        ("", "", {"frame": "J2000", "position_unit": "furlong"}, "--reader.position-unit furlong is unknown"),
+        (
+            "",
+            "",
+            {},
+            r"does not say the axes of x_1, y_1, z_1; .* --reader.frame RIC .* or LVLH .*, at Earth's centre ICRF",
+        ),
+        ("", "", {"frame": "Moon"}, "--reader.frame Moon is unknown; use RIC, RTN, RSW, Hill, LVLH .* ICRF, J2000"),
+        ("x_1", "x_1 (parsec)", {"frame": "J2000"}, r"line 1: unknown unit 'parsec' of column x_1 \(parsec\)"),
         ("60,6985,449.7,0,-0.5,7.48,0", "60,6985,449.7", {}, "line 3: 3 cells under 7 columns; the line may be cut"),
         ("60,", "-60,", {}, "line 3: time goes backwards from 0 s to -60 s"),
         ("449.7", "", {}, "line 3: the cell of column y_1 is empty"),
-        ("449.7", "abc", {"position_unit": "km"}, "line 3: expected a number under y_1, found 'abc'"),
-        ("449.7", "NaN", {"position_unit": "km"}, "line 3: expected a number under y_1, found 'NaN', which is not"),
-        ("x_1,y_1", "alpha,beta", {}, "no position .* nor quaternion among the columns"),
+        ("449.7", "abc", {"frame": "J2000", "position_unit": "km"}, "line 3: expected a number under y_1, found 'abc'"),
+        (
+            "449.7",
+            "NaN",
+            {"frame": "J2000", "position_unit": "km"},
+            "line 3: expected a number under y_1, found 'NaN', which is not",
+        ),
+        (
+            "x_1,y_1",
+            "alpha,beta",
+            {},
+            "no position nor quaternion among the columns t, alpha, .* name all with --reader.columns: t and x y z",
+        ),
         ("t,", "Time (fortnight),", {}, "line 2: unknown time unit 'fortnight'"),
         ("0,7000", "1 Nov 2024 00:00,7000", {}, "line 3: .*'60' is not ISO 8601"),
     ],

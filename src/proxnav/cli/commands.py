@@ -64,7 +64,11 @@ COMMANDS: dict[str, Command | Group] = {
     "report": Command("one HTML page of a finished run", "report"),
     "view": Command("replay of a run: Rerun, video (.mp4) or MCAP", "view"),
     "target": Group("look at a target: keypoints, extents, preview", TARGET),
-    "convert": Command("data sets, poses and trajectories between formats", "convert"),
+    "convert": Command(
+        "data sets, poses and trajectories between formats",
+        "convert",
+        renamed={"--flight": "--reader"},
+    ),
     "benchmark": Group("measured tables beside their references", BENCHMARK),
     "completion": Command("script that completes commands and options in bash, zsh or fish", "completion"),
     "setup": Command("install what proxnav cannot bring itself: blender", "setup"),

@@ -118,7 +118,7 @@ def _refuse_renamed(command: Command, argv: list[str]) -> None:
     from proxnav.errors import InputError
 
     for former, present in command.renamed.items():
-        if any(word == former or word.startswith(f"{former}=") for word in argv):
+        if any(word == former or word.startswith((f"{former}=", f"{former}.")) for word in argv):
             raise InputError(f"{former} is now {present}")
 
 

@@ -43,7 +43,7 @@ class ConvertConfig:
     """For --to shards."""
     skip_without_pose: bool = False
     """Leave images without a pose out."""
-    flight: ReaderConfig = field(default_factory=ReaderConfig)
+    reader: ReaderConfig = field(default_factory=ReaderConfig)
     """What trajectory files leave open."""
 
 
@@ -65,7 +65,7 @@ def run(config: ConvertConfig) -> None:
     if config.to == "shards" or is_sharded(source):
         print(conversion.convert_shards(source, config.to, config.out, config.frames_per_shard))
     elif config.to in FORMATS:
-        print(convert_trajectory(config.source, config.to, config.out, config.flight))
+        print(convert_trajectory(config.source, config.to, config.out, config.reader))
     elif is_trajectory(config.source):
         raise InputError(f"{source}: trajectories are written --to {', '.join(FORMATS)}, not {config.to}")
     else:

@@ -47,6 +47,6 @@ def _all_dark(trajectory: Trajectory) -> str:
     n = len(trajectory)
     where = "in eclipse" if (trajectory.sun_visible <= 0.5).all() else "in eclipse or lit from behind alone"
     return (
-        f"{trajectory.source}: the target is {where} at all {n} instants from {trajectory.epoch_utc} on, every frame would "
-        "be black; begin elsewhere on the orbit or at another epoch, or give [light] an umbra above 0 to want eclipse"
+        f"{trajectory.source}: the target is {where} at all {n} instants from {trajectory.epoch_utc} on, every frame "
+        "would be black; begin elsewhere on the orbit (argument_of_latitude_deg), or want it: [light] umbra above 0"
     )

@@ -52,8 +52,8 @@ def follow(
     seen = spread(in_light(trajectory, mission), frames)
     if len(seen) < frames:
         warnings.warn(
-            f"{trajectory.source}: {len(seen)} of its {len(trajectory)} instants have the light that the mission wants, "
-            f"fewer than the {frames} frames asked for",
+            f"{trajectory.source}: {len(seen)} of its {len(trajectory)} instants have the light that the mission "
+            f"wants, fewer than the {frames} frames asked for",
             InputNote,
             stacklevel=2,
         )

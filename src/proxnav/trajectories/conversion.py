@@ -1,19 +1,21 @@
 """Trajectory files from one format to another: what they hold of target and chaser, nothing that they do not hold."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.records import Trajectory
 from proxnav.trajectories import write
-from proxnav.trajectories.read import read_histories, read_trajectory
+from proxnav.trajectories.read import read_trajectory
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.history import OrbitHistory
+from proxnav.trajectories.readers.recognise import read_files
 from proxnav.trajectories.write import Craft
 
 FORMATS = ("stk", "ccsds", "csv")
-_SUFFIXES = {".e", ".a", ".oem", ".aem"}
+_SUFFIXES = {".e", ".a", ".oem", ".aem", ".bsp", ".bc"}
 
 
 def is_trajectory(paths: Sequence[Path]) -> bool:
@@ -39,7 +41,9 @@ def convert_trajectory(paths: Sequence[Path], to: str, out: Path, config: Reader
 
 def _held(paths: Sequence[Path], config: ReaderConfig) -> tuple[list[Craft], list[Craft]]:
     """Whose orbits and whose attitudes the files hold; a relative orbit is the chaser's about an assumed target's."""
-    found = [history for path in paths for history in read_histories(path, config)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InputNote)  # said when the trajectory is read
+        found = read_files(paths, config)
     orbits = [history for history in found if isinstance(history, OrbitHistory)]
     relative = any(history.frame.kind == "ric" for history in orbits)
     both: list[Craft] = ["target", "chaser"]

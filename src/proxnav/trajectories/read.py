@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.geometry import quaternion
 from proxnav.geometry.celestial import EARTH_POLAR_RADIUS, R_eci_lvlh, R_eci_ric
 from proxnav.geometry.epochs import Instant
@@ -16,9 +16,9 @@ from proxnav.geometry.relative_motion import eci_from_ric
 from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.records import Trajectory
 from proxnav.trajectories.assemble import assemble
+from proxnav.trajectories.elements import fly_elements, parse_elements
 from proxnav.trajectories.generators import time_grid
-from proxnav.trajectories.orbit import fly_orbit
-from proxnav.trajectories.readers.ccsds import read_aem, read_oem
+from proxnav.trajectories.orbit import OrbitConfig, fly_orbit
 from proxnav.trajectories.readers.config import ReaderConfig
 from proxnav.trajectories.readers.history import (
     AttitudeHistory,
@@ -28,12 +28,8 @@ from proxnav.trajectories.readers.history import (
     sample_orbit,
     span,
 )
-from proxnav.trajectories.readers.reference_frames import ORBITAL
-from proxnav.trajectories.readers.stk_attitude import read_stk_attitude
-from proxnav.trajectories.readers.stk_ephemeris import read_stk_ephemeris
-from proxnav.trajectories.readers.tabular import histories
-from proxnav.trajectories.readers.text import read_lines
-from proxnav.trajectories.readers.text_table import is_report, read_csv, read_report
+from proxnav.trajectories.readers.recognise import read_files
+from proxnav.trajectories.readers.reference_frames import ORBITAL, check_together
 
 Kind = TypeVar("Kind", OrbitHistory, AttitudeHistory)
 Times = Float[np.ndarray, "n"]
@@ -53,7 +49,7 @@ def read_trajectory(
     Without attitudes the target is LVLH-fixed and the camera points at it; without a second orbit the chaser holds.
     """
     config = config or ReaderConfig()
-    found = [history for path in paths for history in read_histories(path, config)]
+    found = read_files(paths, config)
     orbits = [history for history in found if isinstance(history, OrbitHistory)]
     if not orbits:
         raise InputError(f"{_names(paths)}: attitudes but no positions; give the file with the target's orbit as well")
@@ -65,10 +61,14 @@ def read_trajectory(
     used = [h for h in (target, relative or chaser, attitude_target, attitude_chaser) if h is not None]
     epoch = used[0].epoch
     t = _instants(used, epoch, config) if t is None else np.asarray(t, dtype=np.float64)
-    state_target = sample_orbit(target, epoch, t) if target else fly_orbit(config.target_orbit, t)
+    if target is not None and chaser is not None and relative is None:
+        check_together([(h.source, h.frame) for h in (target, chaser)], epoch, t)
+    state_target = sample_orbit(target, epoch, t) if target else _assumed_orbit(config, t)
     _check_orbit(*state_target, used[0].source)
-    _warn_of_notes(attitude_target, attitude_chaser)
     state_chaser = _chaser_states(relative or chaser, state_target, epoch, t, config)
+    _tell_notes([history for history in used if history is not relative])
+    if relative is not None:
+        _tell_relative(relative, target, config, state_chaser[0] - state_target[0])
     return assemble(
         epoch.iso(9),
         t,
@@ -78,26 +78,6 @@ def read_trajectory(
         q_eci_cam=_attitude(attitude_chaser, epoch, t, state_chaser, config.q_chaser_cam),
         source=_names(paths),
     )
-
-
-def read_histories(path: str | Path, config: ReaderConfig) -> list[History]:
-    """Orbits and attitudes of one file, in its own frames and at its own times."""
-    lines = read_lines(path)
-    head = "\n".join(lines[:60]).lower()
-    first = next(line.strip().lower() for line in lines if line.strip())
-    if first.startswith("stk.v"):
-        scalar_first = None if config.quaternion_order is None else config.quaternion_order == "wxyz"
-        is_attitude = "begin attitude" in " ".join(head.split())
-        return [read_stk_attitude(path, scalar_first) if is_attitude else read_stk_ephemeris(path)]
-    if "_oem_vers" in head:
-        return list(read_oem(path))
-    if "_aem_vers" in head:
-        return list(read_aem(path, config.quaternion_order))
-    if first.startswith("begin ") or Path(path).suffix.lower() in (".e", ".a"):
-        raise InputError(f"{path}, line 1: the banner stk.v.<number> is missing; add it or export the file again")
-    if is_report(lines):
-        return histories(read_report(path), config)
-    return histories(read_csv(path, config.columns), config)
 
 
 def _roles(orbits: list[OrbitHistory], config: ReaderConfig) -> tuple[OrbitHistory | None, OrbitHistory | None]:
@@ -210,10 +190,36 @@ def _check_orbit(r_eci_m: Float[np.ndarray, "n 3"], v_eci_mps: Float[np.ndarray,
         raise InputError(f"{source}: the target does not move around Earth; check the velocities and the frame")
 
 
-def _warn_of_notes(*attitudes: AttitudeHistory | None) -> None:
-    for history in attitudes:
-        if history is not None and history.note:
-            warnings.warn(f"{history.source}: attitude of {history.name}: {history.note}", stacklevel=3)
+def _assumed_orbit(config: ReaderConfig, t: Times) -> tuple[Vector3, Vector3]:
+    """(r, v) of the target whose orbit no file gives."""
+    if not config.target_elements:
+        return fly_orbit(config.target_orbit, t)
+    if config.target_orbit != OrbitConfig():
+        raise InputError("--reader.target-elements and --reader.target-orbit both give the target's orbit; give one")
+    return fly_elements(parse_elements(config.target_elements), t)
+
+
+def _tell_notes(used: Sequence[History]) -> None:
+    for history in used:
+        if history.note:
+            what = "attitude" if isinstance(history, AttitudeHistory) else "orbit"
+            warnings.warn(f"{history.source}: {what} of {history.name}: {history.note}", InputNote, stacklevel=3)
+
+
+def _tell_relative(
+    history: OrbitHistory, target: OrbitHistory | None, config: ReaderConfig, separation_m: Vector3
+) -> None:
+    """How far relative positions lead, and about which orbit."""
+    distance = np.linalg.norm(separation_m, axis=1)
+    circle = f"a circle at {config.target_orbit.altitude_m / 1e3:g} km, {config.target_orbit.inclination_deg:g} deg"
+    orbit = f"that of {target.source}" if target else config.target_elements or circle
+    given = "" if target else " (--reader.target-orbit or --reader.target-elements say another)"
+    warnings.warn(
+        f"{history.source}: {history.note}: {distance.min():.4g} to {distance.max():.4g} m from the target, whose "
+        f"orbit is {orbit}{given}",
+        InputNote,
+        stacklevel=3,
+    )
 
 
 def _names(paths: Sequence[str | Path]) -> str:

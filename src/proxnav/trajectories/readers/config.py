@@ -22,11 +22,13 @@ class ReaderConfig:
     columns: tuple[str, ...] = ()
     """Names of the columns of a csv without header, for example t x_1 y_1 z_1 vx_1 vy_1 vz_1."""
     position_unit: str | None = None
-    """Unit of length of tables that do not say: m or km."""
+    """Unit of length of tables that do not say: m or km; relative positions are metres otherwise."""
     velocity_unit: str | None = None
     """Unit of speed of tables that do not say: m/s or km/s."""
     frame: str | None = None
-    """Reference frame of tables that do not say: ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate."""
+    """Axes of tables that do not say. Relative to the target: RIC (RTN, RSW, Hill; x radial outward, y in-track, z
+    along r x v) or LVLH (VVLH; x ahead, y against r x v, z to nadir). At Earth's centre: ICRF, J2000, Fixed,
+    TEMEOfDate or MeanOfDate."""
     quaternion_order: Literal["wxyz", "xyzw"] | None = None
     """Place of the scalar where the file does not say it; MATLAB's Aerospace Toolbox writes wxyz, STK xyzw."""
     quaternion_direction: Literal["reference_to_body", "body_to_reference"] = "reference_to_body"
@@ -38,6 +40,9 @@ class ReaderConfig:
     """Place of the chaser, held in the target's RIC frame, where no file gives its orbit."""
     target_orbit: OrbitConfig = field(default_factory=OrbitConfig)
     """Orbit of the target where files give relative motion only."""
+    target_elements: str = ""
+    """The same in one line of classical elements, eccentric ones too, at the first instant:
+    "a=6778.137km e=0.001 i=51.6 raan=30 argp=0 nu=10" (degrees; alt= in place of a=, M= or u= in place of nu=)."""
     start_s: float | None = None
     """First instant, seconds past the target file's epoch; None is the first that all files cover."""
     stop_s: float | None = None

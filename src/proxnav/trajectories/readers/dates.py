@@ -6,9 +6,10 @@ from proxnav.errors import InputError
 from proxnav.geometry.epochs import DAY_S, Instant, clock_seconds, instant, parse_iso
 
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_CLOCK = r"(?P<hour>\d{1,2}):(?P<minute>\d{2})(?::(?P<second>\d{2}(?:\.\d*)?))?"
+_CLOCK = r"(?P<hour>\d{1,2}):(?P<minute>\d{2})(?::(?P<second>\d{2}(?:[.,]\d*)?))?"
 _GREGORIAN = re.compile(rf"(?P<day>\d{{1,2}})[ -](?P<month>[A-Za-z]{{3,9}})\.?[ -](?P<year>\d{{4}})(?:\s+{_CLOCK})?")
 _ISO_YMD = re.compile(rf"(?P<year>\d{{4}})[/-](?P<month>\d{{1,2}})[/-](?P<day>\d{{1,2}})[T ]+{_CLOCK}Z?")
+_EUROPEAN = re.compile(rf"(?P<day>\d{{1,2}})\.(?P<month>\d{{1,2}})\.(?P<year>\d{{4}})(?:[T ]+{_CLOCK})?")
 _DAY_OF_YEAR = re.compile(rf"(?P<doy>\d{{1,3}})/(?P<year>\d{{4}}|\d{{2}})\s+{_CLOCK}")
 _DURATION = re.compile(r"(?:(?P<days>\d+):)?(?P<hour>\d+):(?P<minute>\d{2}):(?P<second>\d{2}(?:\.\d*)?)")
 _AMOUNT = re.compile(r"(?P<value>[-+0-9.eE]+)\s*(?P<unit>[a-z]+)")
@@ -27,7 +28,7 @@ def parse_date(text: str) -> Instant:
     """
     plain = text.strip().strip("\"'").strip()
     try:
-        for pattern in (_GREGORIAN, _ISO_YMD, _DAY_OF_YEAR):
+        for pattern in (_GREGORIAN, _ISO_YMD, _EUROPEAN, _DAY_OF_YEAR):
             if match := pattern.fullmatch(plain):
                 return _from_match(match.groupdict())
     except ValueError as error:
@@ -63,7 +64,9 @@ def parse_duration(text: str) -> float | None:
 def _from_match(found: dict[str, str | None]) -> Instant:
     year = int(found["year"] or 0)
     year += 0 if year > 99 else 2000 if year < 57 else 1900
-    seconds = clock_seconds(int(found["hour"] or 0), int(found["minute"] or 0), float(found["second"] or 0.0))
+    seconds = clock_seconds(
+        int(found["hour"] or 0), int(found["minute"] or 0), float((found["second"] or "0").replace(",", "."))
+    )
     if doy := found.get("doy"):
         if not 1 <= int(doy) <= 366:
             raise ValueError(f"day {doy} of a year")

@@ -44,6 +44,8 @@ class OrbitHistory:
     method: Method = "lagrange"
     nodes: int = 6
     """Points per interpolating polynomial."""
+    note: str = ""
+    """What its reader did that its giver should know, said when it is used."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -33,8 +33,10 @@ def read_stk_ephemeris(path: str | Path) -> OrbitHistory:
     pieces = split(values[:, 0], _boundaries(file))
     segments = tuple(Segment(values[p, 0], r[p], None if v is None else v[p]) for p in pieces)
     frame = ReferenceFrame("ecef") if "lla" in block else reference_frame(file, "coordinatesystem", "Fixed")
-    method = _method(file)
-    return OrbitHistory(Path(path).stem, str(path), scenario_epoch(file), frame, segments, method, _nodes(file))
+    unused = any(name.startswith("covariance") for name in file.blocks)
+    note = "its covariance block is not used" if unused else ""
+    method, epoch = _method(file), scenario_epoch(file)
+    return OrbitHistory(Path(path).stem, str(path), epoch, frame, segments, method, _nodes(file), note)
 
 
 def _states(file: StkFile, block: str, values: Float[np.ndarray, "n k"]) -> tuple[Vector3, Vector3 | None]:

@@ -5,7 +5,7 @@ import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.geometry.epochs import Instant
 from proxnav.trajectories.readers.dates import from_gmat_mjd, parse_date
 from proxnav.trajectories.readers.reference_frames import ORBITAL, ReferenceFrame, frame_kind
@@ -70,7 +70,10 @@ def read_stk(path: str | Path, kind: str, data_blocks: set[str]) -> StkFile:
 
 
 def data_rows(file: StkFile, data_blocks: set[str], count_keyword: str) -> tuple[str, list[Row]]:
-    """(block name, rows), cut at the declared count as STK does; InputError where rows are missing."""
+    """(block name, rows), cut at the declared count as STK does.
+
+    A file with fewer rows is whole, because its END is there: a note says so.
+    """
     found = [name for name in file.blocks if name in data_blocks]
     if len(found) != 1:
         raise InputError(
@@ -79,16 +82,15 @@ def data_rows(file: StkFile, data_blocks: set[str], count_keyword: str) -> tuple
         )
     rows = file.blocks[found[0]]
     declared = file.integer(count_keyword, len(rows))
-    if not rows or not 1 <= declared <= len(rows):
-        raise InputError(
-            f"{file.path}: {count_keyword} says {declared} points, found {len(rows)}: the file is cut off; "
-            "export it again or correct the count"
+    if not rows or declared < 1:
+        raise InputError(f"{file.path}: {count_keyword} says {declared} points, found {len(rows)}; export it again")
+    if len(rows) != declared:
+        what = (
+            f"the {len(rows) - declared} rows after that are ignored"
+            if len(rows) > declared
+            else (f"the {len(rows)} rows that there are before END are read")
         )
-    if len(rows) > declared:
-        warnings.warn(
-            f"{file.path}: {count_keyword} is {declared}, the {len(rows) - declared} rows after that are ignored",
-            stacklevel=2,
-        )
+        warnings.warn(f"{file.path}: {count_keyword} is {declared}, {what}", InputNote, stacklevel=2)
     return found[0], rows[:declared]
 
 
@@ -106,13 +108,14 @@ def reference_frame(file: StkFile, keyword: str, default: str) -> ReferenceFrame
         line = file.keywords["centralbody"][0]
         fail(file.path, line, f"CentralBody is {body}, only Earth is supported; export about Earth")
     name = file.text(keyword, default).strip("\"'")
-    kind = frame_kind(name)
+    kind = "ric" if name.lower().startswith("lvlh") else frame_kind(name)  # STK's LVLH has x outward, its VVLH z nadir
     if kind is None or (kind in ORBITAL and keyword == "coordinatesystem"):
         line = file.keywords[keyword][0]
         fail(file.path, line, f"unknown {keyword} '{name}'; export in ICRF, J2000, Fixed, TEMEOfDate or MeanOfDate")
-    if kind == "of_epoch" and f"{keyword}epoch" not in file.keywords:
+    is_frozen = ReferenceFrame(kind).is_frozen
+    if is_frozen and f"{keyword}epoch" not in file.keywords:
         raise InputError(f"{file.path}: {name} needs the keyword {keyword}epoch; add it or export in ICRF")
-    return ReferenceFrame(kind, _epoch(file, f"{keyword}epoch") if kind == "of_epoch" else None)
+    return ReferenceFrame(kind, _epoch(file, f"{keyword}epoch") if is_frozen else None)
 
 
 def _epoch(file: StkFile, keyword: str) -> Instant:

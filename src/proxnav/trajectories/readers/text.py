@@ -1,7 +1,8 @@
 """Lines and numbers of a text file, with errors that name the file and the line."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import NoReturn
@@ -17,16 +18,14 @@ MAX_BYTES = 2**30
 
 def read_lines(path: str | Path) -> list[str]:
     """The file's lines without line ends and byte-order mark."""
-    try:
+    with _refused_if_unreadable(path):
         if Path(path).stat().st_size > MAX_BYTES:
             raise InputError(f"{path}: larger than {MAX_BYTES // 2**20} MiB; export fewer instants")
         raw = Path(path).read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; check the path") from None
-    except OSError as error:
-        raise InputError(f"{path}: not readable ({error.strerror}); check the path and its permissions") from None
     if b"\x00" in raw:
-        raise InputError(f"{path}: a binary file; export it as text (.e, .a, csv, OEM or AEM)")
+        raise InputError(
+            f"{path}: a binary file, neither MATLAB's nor a SPICE kernel; export it as text (.e, .a, csv, OEM or AEM)"
+        )
     try:
         lines = raw.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
@@ -34,6 +33,27 @@ def read_lines(path: str | Path) -> list[str]:
     if not any(line.strip() for line in lines):
         raise InputError(f"{path}: empty file, expected a trajectory; export it again")
     return lines
+
+
+def head_of(path: str | Path) -> bytes:
+    """The first bytes, which say what kind of file it is."""
+    with _refused_if_unreadable(path), Path(path).open("rb") as file:
+        return file.read(128)
+
+
+@contextmanager
+def _refused_if_unreadable(path: str | Path) -> Iterator[None]:
+    try:
+        yield
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; check the path") from None
+    except OSError as error:
+        raise InputError(f"{path}: not readable ({error.strerror}); check the path and its permissions") from None
+
+
+def is_xml(path: str | Path) -> bool:
+    """Whether the first character of a text file opens an element."""
+    return next(line.strip() for line in read_lines(path) if line.strip()).startswith("<")
 
 
 def fail(path: str | Path, line: int, message: str) -> NoReturn:

@@ -2,6 +2,7 @@
 
 import csv
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from proxnav.storage.files import refused_csv
 from proxnav.storage.tables import is_number
 from proxnav.trajectories.readers.text import fail, read_lines
 
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eEdD][-+]?\d+)?")
+_BOTH_MARKS = re.compile(r"[-+]?[\d.,]*(?:\.[\d]*,|,[\d]*\.)[\d.,]*")
 _DASHES = re.compile(r"\s*-{3,}(\s+-{3,})*\s*")
 _SAID_IN_TITLE = re.compile(r"(?:Satellite|Spacecraft|Object|Aircraft)?[-/ ]*(?P<object>[^:]*):\s*(?P<style>.+)")
 
@@ -29,12 +32,15 @@ class TextTable:
 
 
 def read_csv(path: str | Path, columns: tuple[str, ...]) -> TextTable:
-    """A comma-separated file with a header, which may repeat; without a header `columns` names the cells."""
+    """A csv with a header, which may repeat; without a header `columns` names the cells.
+
+    Cells are parted by semicolons, tabs, commas or blanks; but for commas, the decimals' mark may be a comma.
+    """
     lines = read_lines(path)
+    delimiter = _delimiter(lines)
     with refused_csv(Path(path)):
         parsed = [
-            (k, [cell.strip() for cell in row])
-            for k, row in enumerate(csv.reader(lines, delimiter=_delimiter(lines)), start=1)
+            (k, [cell.strip() for cell in row]) for k, row in enumerate(_rows_of_cells(lines, delimiter), start=1)
         ]
     filled = [(k, cells) for k, cells in parsed if any(cells) and not cells[0].startswith(("#", "%"))]
     if not filled:
@@ -47,6 +53,8 @@ def read_csv(path: str | Path, columns: tuple[str, ...]) -> TextTable:
             "t, x, y, z, vx, vy, vz"
         )
     body = [(k, cells) for k, cells in filled if not _is_header(cells)]
+    if delimiter != ",":
+        body = _with_decimal_points(path, body)
     return _checked(TextTable(str(path), tuple(names), body))
 
 
@@ -83,8 +91,24 @@ def _is_word(cell: str) -> bool:
 
 
 def _delimiter(lines: list[str]) -> str:
-    first = next(line for line in lines if line.strip())
-    return max(",;\t", key=first.count)
+    """What parts the cells: a semicolon or a tab wherever there is one, since commas may be decimal; blanks at last."""
+    first = next((line for line in lines if line.strip() and line.lstrip()[0] not in "#%"), "")
+    return next((mark for mark in ";\t," if mark in first), " " if len(first.split()) > 1 else ",")
+
+
+def _rows_of_cells(lines: list[str], delimiter: str) -> Iterable[list[str]]:
+    return (line.split() for line in lines) if delimiter == " " else csv.reader(lines, delimiter=delimiter)
+
+
+def _with_decimal_points(path: str | Path, rows: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
+    """The rows with the decimal commas of European files as points; InputError where a cell has both."""
+    found = [(k, cell) for k, cells in rows for cell in cells if _DECIMAL_COMMA.fullmatch(cell)]
+    both = next(((k, cell) for k, cells in rows for cell in cells if _BOTH_MARKS.fullmatch(cell)), None)
+    if both is not None:
+        fail(path, both[0], f"'{both[1]}' has a point and a comma; export numbers without marks between thousands")
+    if not found:
+        return rows
+    return [(k, [c.replace(",", ".") if _DECIMAL_COMMA.fullmatch(c) else c for c in cells]) for k, cells in rows]
 
 
 def _title(lines: list[str]) -> tuple[str, str]:
