@@ -146,7 +146,7 @@ def _frame(
 
 def _named_frame(table: TextTable, mine: dict[str, Column]) -> FrameKind | None:
     """Axes in the headers or in the title of a report."""
-    in_headers: list[FrameKind] = [column.frame for column in mine.values() if column.frame]
+    in_headers: list[FrameKind | None] = [column.frame for column in mine.values()]
     words = [*table.style.split(), *(c.header.split()[0] for c in mine.values() if c.header.split())]
-    known: list[FrameKind] = [kind for word in words if (kind := frame_kind(word)) and kind not in ORBITAL]
-    return next(iter([*in_headers, *known]), None)
+    in_words: list[FrameKind | None] = [kind for kind in map(frame_kind, words) if kind not in ORBITAL]
+    return next((kind for kind in (*in_headers, *in_words) if kind is not None), None)
