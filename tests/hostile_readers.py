@@ -108,9 +108,9 @@ def _points(path: Path) -> None:
 
 
 def _mesh(path: Path) -> None:
-    from proxnav.targets.cad.mesh_file import read_parts
+    from proxnav.targets.cad.mesh_file import read_mesh
 
-    read_parts(path)
+    read_mesh(path)
 
 
 def _target(path: Path) -> None:

@@ -9,7 +9,7 @@ import trimesh
 from proxnav.cli.main import main
 from proxnav.geometry import Camera
 from proxnav.pose.solve.best_accuracy import bound_at, ranges_for
-from proxnav.targets.cad.from_mesh import unit_in_metres
+from proxnav.targets.cad.placement import unit_in_metres
 from proxnav.targets.loading import load_target
 from proxnav.targets.space_rider import space_rider
 

@@ -40,12 +40,12 @@ def test_views_show_right_and_down_where_a_pilot_expects_them():
     def shift(name: str, point: np.ndarray) -> np.ndarray:
         return np.sign((view[name].pixels(point[None])[0] - middle[name]).round(6))
 
-    assert shift("front", right).tolist() == [-1, 0]
-    assert shift("right", forward).tolist() == [1, 0]
-    assert shift("right", down).tolist() == [0, 1]
-    assert shift("top", forward).tolist() == [0, -1]
-    assert shift("top", right).tolist() == [1, 0]
-    assert shift("belly", right).tolist() == [-1, 0]
+    assert shift("from +x", right).tolist() == [-1, 0]
+    assert shift("from +y", forward).tolist() == [1, 0]
+    assert shift("from +y", down).tolist() == [0, 1]
+    assert shift("from -z", forward).tolist() == [0, -1]
+    assert shift("from -z", right).tolist() == [1, 0]
+    assert shift("from +z", right).tolist() == [-1, 0]
 
 
 def test_show_prints_the_keypoints_and_writes_the_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -74,7 +74,7 @@ def test_missing_unit_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_unknown_unit_is_refused():
-    from proxnav.targets.cad.from_mesh import unit_in_metres
+    from proxnav.targets.cad.placement import unit_in_metres
 
     assert unit_in_metres("0.3") == pytest.approx(0.3)
     with pytest.raises(InputError, match="furlong"):

@@ -3,14 +3,17 @@
 import sys
 from pathlib import Path
 
-from proxnav.targets.cad.from_mesh import UNITS_M, file_extents
+from proxnav.targets.cad.from_mesh import file_extents
+from proxnav.targets.cad.placement import UNITS_M
 
 
 def ask_unit(file: Path, without: tuple[str, ...]) -> tuple[str | None, float | None]:
-    """(unit, true length of the largest extent [m]), one of them None; both where nobody sits there."""
+    """(unit, true length of the largest extent [m]), one None; both where nobody sits there or the file declares it."""
     if not sys.stdin.isatty():
         return None, None
-    extents = file_extents(file, without)
+    extents, declared_m = file_extents(file, without)
+    if declared_m is not None:
+        return None, None
     largest = max(extents)
     print(f"{file}: {' x '.join(f'{v:.4g}' for v in extents)} units; its largest extent would be")
     for unit, metres in UNITS_M.items():

@@ -13,7 +13,7 @@ GENERATED = {"space-rider": space_rider}
 
 
 def load_target(name_or_path: str) -> Target:
-    """`space-rider`, a target.json (or its folder), or a GLB, OBJ, STL or PLY file in metres.
+    """`space-rider`, a target.json (or its folder), or a mesh file whose unit is declared or metres.
 
     The same file gives the same object, so that what is built from it (ray casters, textures) is built once.
     """

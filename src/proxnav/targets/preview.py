@@ -5,22 +5,25 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Int, UInt8
 
 from proxnav.errors import InputError
 from proxnav.geometry.arrays import unit
 from proxnav.targets.keypoints.visibility import HIT_TOLERANCE, first_faces, occluded
+from proxnav.targets.surface.part_image import linear_texels
 from proxnav.targets.target import Target
 
 Image = UInt8[np.ndarray, "h w 3"]
 VIEWS = (
-    ("front right, above", 40.0, 25.0), ("rear right, above", 140.0, 25.0),
-    ("front left, below", -40.0, -25.0), ("rear left, below", -140.0, -25.0),
-    ("front", 0.0, 0.0), ("right", 90.0, 0.0), ("top", 0.0, 90.0), ("belly", 0.0, -90.0),
+    ("from +x +y -z", 40.0, 25.0), ("from -x +y -z", 140.0, 25.0),
+    ("from +x -y +z", -40.0, -25.0), ("from -x -y +z", -140.0, -25.0),
+    ("from +x", 0.0, 0.0), ("from +y", 90.0, 0.0), ("from -z", 0.0, 90.0), ("from +z", 0.0, -90.0),
 )  # fmt: skip
-"""Name, azimuth from forward towards the right and elevation above the horizon [deg] of the viewer."""
+"""Name, azimuth from +x towards +y and elevation towards -z [deg] of the viewer; -z is up, as for a frame of forward,
+right, down."""
 _BACKGROUND, _INK = (38, 34, 30), (235, 235, 235)
 _SEEN, _HIDDEN = (80, 220, 255), (110, 110, 110)
+_AXES = (80, 80, 255), (80, 220, 80), (255, 140, 80)
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
@@ -72,7 +75,7 @@ def _views(target: Target, width: int) -> list[_View]:
 
 
 def _axes(azimuth_deg: float, elevation_deg: float) -> Float[np.ndarray, "3 3"]:
-    """Rows: right, down and away from the viewer, in the target frame; seen from above or below, forward is up."""
+    """Rows: right, down and away from the viewer, in the target frame; seen along z, +x is up."""
     a, e = np.radians(azimuth_deg), np.radians(elevation_deg)
     away = -np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), -np.sin(e)])
     down = np.array([-1.0, 0.0, 0.0]) if abs(elevation_deg) > 85 else np.array([0.0, 0.0, 1.0])
@@ -82,6 +85,7 @@ def _axes(azimuth_deg: float, elevation_deg: float) -> Float[np.ndarray, "3 3"]:
 
 def _tile(target: Target, name: str, view: _View) -> Image:
     image = np.ascontiguousarray(_shaded(target, view))
+    _draw_axes(image, view)
     _draw_keypoints(image, target, view)
     _draw_rule(image, view)
     cv2.putText(image, name, (10, 20), _FONT, 0.5, _INK, 1, cv2.LINE_AA)
@@ -94,23 +98,60 @@ def _shaded(target: Target, view: _View) -> Image:
     rows, columns = 2 * view.height, 2 * view.width
     x, y = np.meshgrid((np.arange(columns) + 0.5 - columns / 2) / 2, (np.arange(rows) + 0.5 - rows / 2) / 2)
     flat = np.stack([x.ravel(), y.ravel()], axis=1) / view.px_per_m
-    start = view.centre_m - 4 * target.radius_m * view.axes[2] + flat @ view.axes[:2]
-    _, face = first_faces(target, start, np.broadcast_to(view.axes[2], start.shape))
+    start = view.centre_m - 4 * target.size_m * view.axes[2] + flat @ view.axes[:2]
+    distance, face = first_faces(target, start, np.broadcast_to(view.axes[2], start.shape))
     hit = face >= 0
     normal = unit(target.corner_normals.mean(axis=1)[face[hit]] + 1e-12)
     lamp = unit(np.array([-0.5, -0.7, -1.0]) @ view.axes)
     shade = 0.25 + 0.75 * np.clip(normal @ lamp, 0.0, 1.0)
-    albedo = np.array([m.albedo for m in target.materials])[target.face_part[face[hit]]]
+    albedo = _albedo(target, face[hit], start[hit] + distance[hit, None] * view.axes[2])
     linear = np.tile((np.array(_BACKGROUND[::-1]) / 255.0) ** 2.2, (rows * columns, 1))
     linear[hit] = np.clip(albedo * shade[:, None], 0.0, 1.0)
     mean = linear.reshape(view.height, 2, view.width, 2, 3).mean(axis=(1, 3))
     return (255 * mean ** (1 / 2.2)).astype(np.uint8)[..., ::-1]
 
 
+def _albedo(target: Target, face: Int[np.ndarray, "n"], point_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    """Linear albedo of points on faces: of the picture on the part where there is one, else of its material."""
+    part = target.face_part[face]
+    albedo = np.array([m.albedo for m in target.materials])[part]
+    for name, image in target.images.items():
+        chosen = part == target.part_names.index(name)
+        corners = target.vertices_m[target.faces[face[chosen]]]
+        weight = _barycentric(corners, point_m[chosen])
+        uv = np.einsum("nc,nck->nk", weight, target.corner_uv_m[face[chosen]]) / image.tile_m % 1.0
+        h, w = image.srgb.shape[:2]
+        row, column = np.minimum((uv[:, 1] * h).astype(int), h - 1), np.minimum((uv[:, 0] * w).astype(int), w - 1)
+        albedo[chosen] = linear_texels(image)[row, column]
+    return albedo
+
+
+def _barycentric(corners: Float[np.ndarray, "n 3 3"], point: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    """Shares of the corners of triangles in points on them."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normal = np.cross(b - a, c - a)
+    square = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
+    v = np.einsum("ij,ij->i", np.cross(point - a, c - a), normal) / square
+    w = np.einsum("ij,ij->i", np.cross(b - a, point - a), normal) / square
+    return np.stack([1.0 - v - w, v, w], axis=1)
+
+
+def _draw_axes(image: Image, view: _View) -> None:
+    """The frame's axes from its origin, a tenth of the picture long, where the picture shows it."""
+    reach = 0.1 * view.width / view.px_per_m
+    ends = np.round(view.pixels(np.vstack([np.zeros(3), reach * np.eye(3)]))).astype(int)
+    if not ((ends[0] >= 0) & (ends[0] < [view.width, view.height])).all():
+        return
+    for end, name, colour in zip(ends[1:], "xyz", _AXES, strict=True):
+        if np.abs(end - ends[0]).max() > 4:
+            cv2.line(image, ends[0].tolist(), end.tolist(), colour, 2, cv2.LINE_AA)
+            cv2.putText(image, name, (end + 3).tolist(), _FONT, 0.42, colour, 1, cv2.LINE_AA)
+
+
 def _draw_keypoints(image: Image, target: Target, view: _View) -> None:
     """Dots, and the numbers of those that are seen, pushed down until they do not cover one another."""
-    eyes = target.keypoints_m - 8 * target.radius_m * view.axes[2]
-    hidden = occluded(target, target.keypoints_m, eyes, HIT_TOLERANCE * target.radius_m)
+    eyes = target.keypoints_m - 8 * target.size_m * view.axes[2]
+    hidden = occluded(target, target.keypoints_m, eyes, HIT_TOLERANCE * target.size_m)
     taken: list[tuple[int, int]] = []
     for k in np.argsort(hidden, kind="stable").tolist():
         x, y = (round(v) for v in view.pixels(target.keypoints_m[k : k + 1])[0].tolist())
@@ -153,7 +194,7 @@ def _draw_rule(image: Image, view: _View) -> None:
 
 def _title(target: Target, width: int) -> Image:
     size = " x ".join(f"{v:.2f}" for v in np.ptp(target.vertices_m, axis=0))
-    text = f"{target.name}: {size} m (forward, right, down), {len(target.faces)} triangles, "
+    text = f"{target.name}: {size} m (x, y, z), {len(target.faces)} triangles, "
     text += f"{len(target.part_names)} parts, {len(target.keypoint_names)} keypoints"
     bar = np.full((36, width, 3), _BACKGROUND, np.uint8)
     cv2.putText(bar, text, (10, 24), _FONT, 0.55, _INK, 1, cv2.LINE_AA)

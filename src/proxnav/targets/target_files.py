@@ -10,20 +10,25 @@ import numpy as np
 from jaxtyping import Shaped
 
 from proxnav.errors import InputError
+from proxnav.geometry import Pose
 from proxnav.storage.files import read_json, replacing, write_json
 from proxnav.targets.surface.material import Material, MaterialKind
+from proxnav.targets.surface.part_image import PartImage
 from proxnav.targets.target import Target
 
 VERSION = 1
 MAX_BYTES = 1024 * 2**20
 _ARRAYS = ("vertices_m", "faces", "face_part", "corner_normals", "corner_uv_m")
+_IMAGE = "image_"
+"""Before the part's name, the name of the array of its picture."""
 
 
 def save_target(target: Target, folder: Path | str) -> Path:
     """Writes target.json and mesh.npz into `folder`, which is made if need be; returns the path of target.json."""
     folder = Path(folder)
     with replacing(folder / "mesh.npz") as part, part.open("wb") as file:
-        np.savez_compressed(file, **{name: getattr(target, name) for name in _ARRAYS})
+        images = {_IMAGE + name: image.srgb for name, image in target.images.items()}
+        np.savez_compressed(file, **{name: getattr(target, name) for name in _ARRAYS}, **images)
     parts = [{"name": n} | asdict(m) for n, m in zip(target.part_names, target.materials, strict=True)]
     content = {
         "version": VERSION,
@@ -33,6 +38,10 @@ def save_target(target: Target, folder: Path | str) -> Path:
         "keypoint_names": list(target.keypoint_names),
         "keypoints_m": target.keypoints_m.tolist(),
         "subsets": {name: list(index) for name, index in target.subsets.items()},
+        "frames": {
+            name: {"q_wxyz": pose.q_wxyz.tolist(), "r_m": pose.t_m.tolist()} for name, pose in target.frames.items()
+        },
+        "images": {name: {"tile_m": image.tile_m} for name, image in target.images.items()},
         "licence": target.licence,
         "source": target.source,
     }
@@ -44,7 +53,8 @@ def read_target(path: Path | str) -> Target:
     """The target that `save_target` wrote, number by number."""
     path = Path(path)
     content = _content(path)
-    arrays = _arrays(path.parent / "mesh.npz")
+    stored = _arrays(path.parent / "mesh.npz")
+    arrays = {name: stored[name] for name in _ARRAYS}
     try:
         parts = [dict(part) for part in content["parts"]]
         names = tuple(str(part.pop("name")) for part in parts)
@@ -58,6 +68,14 @@ def read_target(path: Path | str) -> Target:
             subsets={str(k): tuple(int(i) for i in v) for k, v in content.get("subsets", {}).items()},
             licence=str(content.get("licence", "unknown")),
             source=str(content.get("source", "unknown")),
+            frames={
+                str(name): Pose.from_wxyz("target", str(name), place["q_wxyz"], place["r_m"])
+                for name, place in content.get("frames", {}).items()
+            },
+            images={
+                str(name): PartImage(float(image["tile_m"]), stored[_IMAGE + name])
+                for name, image in content.get("images", {}).items()
+            },
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(
@@ -82,7 +100,8 @@ def _arrays(path: Path) -> dict[str, Shaped[np.ndarray, "..."]]:
         if claimed > MAX_BYTES:
             raise InputError(f"{path}: unpacks to {claimed} bytes; expected at most {MAX_BYTES // 2**20} MiB")
         with np.load(path, allow_pickle=False) as stored:
-            return {name: stored[name] for name in _ARRAYS}
+            images = [name for name in stored.files if name.startswith(_IMAGE)]
+            return {name: stored[name] for name in (*_ARRAYS, *images)}
     except InputError:
         raise
     except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, RuntimeError, zlib.error) as error:

@@ -59,7 +59,7 @@ def _is_seen(
     focal_px: tuple[float, float],
 ) -> Bool[np.ndarray, "n"]:
     """Whether nothing lies before a point, and its two sides show different parts, depths, slopes or the sky."""
-    n, tolerance = len(X), 0.01 * target.radius_m
+    n, tolerance = len(X), 0.01 * target.size_m
     p = X @ R.T + t
     side = np.zeros_like(p)
     side[:, :2] = _SIDE_PX * N * p[:, 2:] / focal_px

@@ -50,7 +50,7 @@ def build_mesh(target: Target, spacing_m: float) -> RenderMesh:
     positions = target.vertices_m[target.faces]
     corners = np.concatenate([positions, target.corner_normals, target.corner_uv_m], axis=2)
     corners, part = _without_slivers(corners, target.face_part)
-    corners, part = _split(corners, part, max(spacing_m, 0.02 * target.radius_m))
+    corners, part = _split(corners, part, max(spacing_m, 0.02 * target.size_m))
     vertices, index = np.unique(_positions(corners).astype(np.float32).reshape(-1, 3), axis=0, return_inverse=True)
     cache, where, normal, of_part = _cache_points(corners, part)
     centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0)).astype(np.float64)

@@ -1,28 +1,38 @@
-"""A Target from a CAD or graphics file: unit, axes, parts, and keypoints."""
+"""A Target from a CAD or graphics file: unit, axes, origin, parts, pictures, named frames and keypoints."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
+from jaxtyping import Bool
 
-from proxnav.errors import InputError
 from proxnav.geometry.types import Points
 from proxnav.targets.assembly import assemble
-from proxnav.targets.cad.axes import R_target_file
-from proxnav.targets.cad.mesh_file import FilePart, read_parts
+from proxnav.targets.cad.decimation import decimated
+from proxnav.targets.cad.file_frames import FILE_FRAME, FramePlace
+from proxnav.targets.cad.image_tile import MAX_TEXELS, image_tile, mean_albedo
+from proxnav.targets.cad.mesh_file import read_mesh
+from proxnav.targets.cad.mesh_part import MeshPart
+from proxnav.targets.cad.placement import placement
+from proxnav.targets.cad.soundness import outward
 from proxnav.targets.keypoints.choice import suggest_keypoints
 from proxnav.targets.keypoints.point_files import Loaded
 from proxnav.targets.keypoints.spread import farthest_points
 from proxnav.targets.solids import Piece
 from proxnav.targets.target import Target
 
-UNITS_M = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
-PLAUSIBLE_M = (0.05, 500.0)
-"""A spacecraft's largest extent: from a sensor dummy to a station."""
-_DEFAULT_AXES = {".glb": ("y", "z"), ".gltf": ("y", "z"), ".obj": ("y", "z"), ".stl": ("z", "x"), ".ply": ("z", "x")}
+KeypointsFrame = Literal["target", "file"]
 N_KEYPOINTS = 24
 N_SUBSET = 6
+PIXEL_M = 0.007
+"""What a pixel covers at 10 m with the navigation camera of 1407 px."""
+
+
+def unheard(sentence: str) -> None:
+    """Takes what is said about a long job and says nothing."""
+    del sentence
 
 
 def from_mesh(
@@ -35,43 +45,48 @@ def from_mesh(
     without: Sequence[str] = (),
     keypoints: Loaded | None = None,
     licence: str = "unknown",
+    origin: str = "file",
+    frames: Mapping[str, FramePlace] | None = None,
+    keypoints_frame: KeypointsFrame = "target",
+    count: int = N_KEYPOINTS,
+    pixel_m: float = PIXEL_M,
+    say: Callable[[str], None] = unheard,
 ) -> Target:
-    """The spacecraft in a mesh file, centred in its bounding box, axes turned to forward, right, down.
+    """The spacecraft in a GLB, glTF, STEP, OBJ, STL, PLY, DAE or USD file, in the file's own frame, in metres.
 
-    One of `unit_m` (metres per file unit) and `length_m` (true length of the largest extent) gives the scale; with
-    neither the file's unit is taken as metres, and refused when that makes no spacecraft. `up` and `forward` are the
-    file's axes (glTF and OBJ: up y, forward z; STL and PLY: up z, forward x). `without` drops parts by name.
+    The unit that the file declares (STEP, DAE, USD) gives the scale, else one of `unit_m` (metres per file unit) and
+    `length_m` (true length of the largest extent); with neither it is metres, and refused when that makes no
+    spacecraft. `origin` (file, box, or X,Y,Z in file coordinates) moves the target frame; `up` or `forward`, axes of
+    the file, turn it to forward, right, down. `frames` are given in the file's coordinates, and so are `keypoints`
+    where `keypoints_frame` says so; without keypoints up to `count` are found. `pixel_m`, what a pixel covers at the
+    nearest range, says how finely a mesh of millions of triangles is kept. `say` hears one sentence for each slow step
+    and each change of the mesh.
     """
     path = Path(path)
-    parts = _kept(path, read_parts(path), without)
-    default_up, default_forward = _DEFAULT_AXES[path.suffix.lower()]
-    R = R_target_file(up or default_up, forward or default_forward)
-    corners = np.concatenate([part.vertices[np.unique(part.faces)] for part in parts])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    scale = _scale(path, float((high - low).max()), unit_m, length_m)
-    pieces = [Piece(part.name, (part.vertices - (low + high) / 2) @ R.T * scale, part.faces) for part in parts]
-    finish = {part.name: part.material for part in parts}
-    source = f"{path.name}, 1 unit = {scale:.6g} m"
-    target = assemble(name or path.stem, pieces, finish, {}, {}, licence, source)
-    points, names = suggest_keypoints(target, N_KEYPOINTS) if keypoints is None else keypoints
-    return with_keypoints(target, points, names)
+    say(f"reading {path.name}")
+    mesh = read_mesh(path).without(path, without)
+    place = placement(path, mesh, unit_m, length_m, up, forward, origin)
+    parts = [replace(part, vertices=place.points_m(part.vertices)) for part in mesh.parts]
+    parts = _outward(decimated(parts, pixel_m, say), say)
+    target = _assembled(parts, name or path.stem, licence, f"{path.name}, 1 unit = {place.scale_m:.6g} m")
+    named = {key: place.frame(key, value) for key, value in (frames or {}).items()}
+    target = replace(target, frames={FILE_FRAME: place.file_frame()} | named)
+    if keypoints is None:
+        say(f"choosing keypoints on {len(target.faces)} triangles")
+        points, names = suggest_keypoints(target, count)
+        if len(points) < count:
+            say(f"{len(points)} keypoints: the mesh has no more distinct corners that are often seen")
+        return with_keypoints(target, points, names)
+    points, names = keypoints
+    return with_keypoints(target, place.points_m(points) if keypoints_frame == "file" else points, names)
 
 
-def unit_in_metres(unit: str | None) -> float | None:
-    """Metres per unit of a file, from the unit's name or a number; None for None."""
-    if unit is None or unit in UNITS_M:
-        return None if unit is None else UNITS_M[unit]
-    try:
-        return float(unit)
-    except ValueError:
-        raise InputError(f"--unit {unit}: expected {', '.join(UNITS_M)} or metres per unit as a number") from None
-
-
-def file_extents(path: Path, without: Sequence[str] = ()) -> tuple[float, float, float]:
-    """Extents along the file's axes x, y, z in its own unit."""
-    corners = np.concatenate([part.vertices[np.unique(part.faces)] for part in _kept(path, read_parts(path), without)])
-    x, y, z = np.ptp(corners, axis=0).tolist()
-    return x, y, z
+def file_extents(path: Path, without: Sequence[str] = ()) -> tuple[tuple[float, float, float], float | None]:
+    """(extents along the file's axes x, y, z in its own unit, metres per unit where the file declares it)."""
+    mesh = read_mesh(path).without(path, without)
+    low, high = mesh.box()
+    x, y, z = (high - low).tolist()
+    return (x, y, z), mesh.unit_m
 
 
 def with_keypoints(target: Target, points_m: Points, names: Sequence[str]) -> Target:
@@ -101,31 +116,36 @@ def isolated_parts(target: Target, gap: float = 0.25) -> list[str]:
         group = grown
 
 
-def _kept(path: Path, parts: list[FilePart], without: Sequence[str]) -> list[FilePart]:
-    names = [part.name for part in parts]
-    unknown = [name for name in without if name not in names]
-    if unknown:
-        raise InputError(f"{path}: no part '{unknown[0]}' to leave out; it has {', '.join(names[:20])}")
-    kept = [part for part in parts if part.name not in without]
-    if not kept:
-        raise InputError(f"{path}: every part is left out")
-    return kept
+def _outward(parts: Sequence[MeshPart], say: Callable[[str], None]) -> list[MeshPart]:
+    """The parts with triangles that face outward where that can be decided."""
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    faces = np.concatenate([part.faces + start for part, start in zip(parts, starts[:-1], strict=True)])
+    _, turned = outward(np.concatenate([part.vertices for part in parts]), faces)
+    if turned.any():
+        say(f"{int(turned.sum())} of {len(turned)} triangles faced inward and are turned outward")
+    ends = np.cumsum([0, *(len(part.faces) for part in parts)])
+    return [_turned(part, turned[a:b]) for part, a, b in zip(parts, ends[:-1], ends[1:], strict=True)]
 
 
-def _scale(path: Path, extent: float, unit_m: float | None, length_m: float | None) -> float:
-    """Metres per file unit."""
-    if unit_m is not None and length_m is not None:
-        raise InputError(f"{path}: give the unit or the true length, not both")
-    for what, value in (("unit", unit_m), ("length", length_m)):
-        if value is not None and not 1e-9 < value < 1e9:
-            raise InputError(f"{path}: {what} {value} m is not a positive length")
-    if not extent > 0:
-        raise InputError(f"{path}: all its vertices lie in one point")
-    scale = length_m / extent if length_m is not None else (1.0 if unit_m is None else unit_m)
-    if not PLAUSIBLE_M[0] <= extent * scale <= PLAUSIBLE_M[1]:
-        guesses = ", ".join(f"{u}: {extent * f:.3g} m" for u, f in UNITS_M.items())
-        raise InputError(
-            f"{path}: its largest extent of {extent:.4g} units would be {extent * scale:.4g} m; say what the unit is "
-            f"({guesses}) or how long the spacecraft is"
-        )
-    return scale
+def _turned(part: MeshPart, which: Bool[np.ndarray, "m"]) -> MeshPart:
+    """The part with some triangles wound the other way."""
+    faces = np.where(which[:, None], part.faces[:, ::-1], part.faces)
+    if part.picture is None:
+        return replace(part, faces=faces)
+    uv = np.where(which[:, None, None], part.picture.corner_uv[:, ::-1], part.picture.corner_uv)
+    return replace(part, faces=faces, picture=replace(part.picture, corner_uv=uv))
+
+
+def _assembled(parts: Sequence[MeshPart], name: str, licence: str, source: str) -> Target:
+    """The target without keypoints, pictures laid on as tiles."""
+    pieces = [Piece(part.name, part.vertices, part.faces) for part in parts]
+    target = assemble(name, pieces, {part.name: part.material for part in parts}, {}, {}, licence, source)
+    share = MAX_TEXELS // max(1, sum(part.picture is not None for part in parts))
+    uv, materials, images = np.array(target.corner_uv_m), list(target.materials), {}
+    for index, part in enumerate(parts):
+        if part.picture is not None:
+            corners_m, of_part = part.vertices[part.faces], target.face_part == index
+            image, uv[of_part] = image_tile(part.picture, corners_m, np.array(part.material.albedo), share)
+            albedo = mean_albedo(image, uv[of_part], corners_m)
+            images[part.name], materials[index] = image, replace(part.material, albedo=albedo)
+    return replace(target, corner_uv_m=uv, materials=tuple(materials), images=images)

@@ -6,9 +6,20 @@ from pathlib import Path
 from typing import Any
 
 from proxnav.errors import InputError
+from proxnav.targets.cad.collada import check_collada
+from proxnav.targets.cad.converted import check_step, check_usd
 from proxnav.targets.cad.meshopt import MAX_INFLATION
 from proxnav.targets.cad.plain_glb import MESHOPT, UNPACKED
 
+FORMATS = ("GLB", "glTF", "STEP", "OBJ", "STL", "PLY", "DAE", "USD")
+_SAME_AS = {"stp": "step", "usda": "usd", "usdc": "usd", "usdz": "usd"}
+_INSTEAD = {
+    "blend": "in Blender: File > Export > glTF 2.0, format glTF Binary (.glb)",
+    "urdf": "it names the mesh of each link; give one of those, or export the assembled robot as one GLB",
+    "fbx": "export it as GLB, for example from Blender: File > Export > glTF 2.0",
+    "igs": "export it as STEP (AP214 or AP242)",
+    "iges": "export it as STEP (AP214 or AP242)",
+}  # fmt: skip
 MAX_BYTES = 512 * 2**20
 MAX_ELEMENTS = 20_000_000
 """Largest number of vertices or indices that a file may claim."""
@@ -18,16 +29,24 @@ _NEEDS_CONVERSION = {
 }
 _OTHERWISE = "an exporter without this extension"
 _SAVE_AS_GLB = "saving it as one .glb file (compressed buffers are read from GLB alone)"
-_READABLE = {"KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp", "KHR_texture_transform", "KHR_materials_unlit"}
+_READABLE = {
+    "KHR_animation_pointer",
+    "KHR_materials_pbrSpecularGlossiness",
+    "EXT_texture_webp",
+    "KHR_texture_transform",
+    "KHR_materials_unlit",
+}
 _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
 def check_mesh_file(path: Path) -> str:
-    """The file's type ('glb', 'gltf', 'obj', 'stl', 'ply'); InputError when it should not be opened."""
+    """The file's type, one of the keys of `_CHECKS`; InputError when it should not be opened."""
     kind = path.suffix.lower().lstrip(".")
+    kind = _SAME_AS.get(kind, kind)
     if kind not in _CHECKS:
-        raise InputError(f"{path}: '{path.suffix}' is no mesh format that proxnav reads; expected GLB, OBJ, STL, PLY")
+        instead = _INSTEAD.get(kind, f"expected {', '.join(FORMATS)}")
+        raise InputError(f"{path}: '{path.suffix}' is no mesh format that proxnav reads; {instead}")
     if not path.is_file():
         raise InputError(f"{path}: no such mesh file")
     size = path.stat().st_size
@@ -167,4 +186,7 @@ def _check_obj(path: Path, size: int) -> None:
         raise InputError(f"{path}: not a text OBJ file")
 
 
-_CHECKS = {"glb": _check_glb, "gltf": _check_gltf, "obj": _check_obj, "stl": _check_stl, "ply": _check_ply}
+_CHECKS = {
+    "glb": _check_glb, "gltf": _check_gltf, "obj": _check_obj, "stl": _check_stl, "ply": _check_ply,
+    "step": check_step, "dae": check_collada, "usd": check_usd,
+}  # fmt: skip

@@ -26,6 +26,7 @@ def plain_glb(path: Path) -> bytes | None:
         return None
     try:
         parts = [binary + b"\0" * (-len(binary) % 4)]
+        _keep_still(tree)
         _decode_views(tree, binary, parts)
         _dequantise(tree, parts)
     except InputError:
@@ -39,6 +40,27 @@ def plain_glb(path: Path) -> bytes | None:
     body = b"".join(parts)
     tree["buffers"] = [{"byteLength": len(body)}]
     return _packed(tree, body)
+
+
+def _keep_still(tree: dict[str, Any]) -> None:
+    """Drops what moves: animations, skins and morph targets, and the data that only they use, whatever codes them."""
+    primitives = [p for mesh in tree.get("meshes", []) for p in mesh.get("primitives", [])]
+    drawn = {number for p in primitives for number in (*p.get("attributes", {}).values(), p.get("indices"))}
+    for p in primitives:
+        p.pop("targets", None)
+    for key in ("animations", "skins"):
+        tree.pop(key, None)
+    accessors = tree.get("accessors", [])
+    for number in range(len(accessors)):
+        if number not in drawn:
+            accessors[number] = {"componentType": 5126, "type": "SCALAR", "count": 1}
+    used = {accessor.get("bufferView") for accessor in accessors} | {
+        i.get("bufferView") for i in tree.get("images", [])
+    }
+    for number, view in enumerate(tree.get("bufferViews", [])):
+        if number not in used:
+            view.clear()
+            view |= {"buffer": 0, "byteOffset": 0, "byteLength": 0}
 
 
 def _decode_views(tree: dict[str, Any], binary: bytes, parts: list[bytes]) -> None:

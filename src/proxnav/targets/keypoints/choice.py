@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
@@ -15,23 +15,32 @@ from proxnav.targets.target import Target
 
 MIN_SHARPNESS = 0.15
 """1 - length of the mean normal about a vertex: 0 flat, 0.29 a right-angled edge, 0.42 a cube's corner."""
+MIN_TURN = 1e-5
+"""Least variance of the normals about a corner out of the plane of its edge: 0 on flats and along straight edges,
+where a point can slide without being noticed; a rim of 128 facets has 3e-4."""
 MIN_SEEN = 0.25
 """Share of all directions from which a point must be visible."""
 MAX_CANDIDATES = 1500
+FEWEST, MOST = 4, 200
 N_DIRECTIONS = 96
 
 
 def suggest_keypoints(target: Target, count: int = 24) -> tuple[Float[np.ndarray, "k 3"], tuple[str, ...]]:
-    """`count` vertices that are corners or edges, seen from a quarter of all directions, and spread over the craft.
+    """Up to `count` corners, seen from a quarter of all directions, and spread over the craft; all where it has fewer.
 
     The first is the one farthest from the middle; each further one is the farthest from those before it.
     """
-    points = _candidates(target)
-    if len(points) < count:
-        raise InputError(f"target {target.name}: only {len(points)} vertices could serve as keypoints, {count} wanted")
+    if not FEWEST <= count <= MOST:
+        raise InputError(f"{count} keypoints asked for; a pose needs at least {FEWEST}, a network takes at most {MOST}")
+    points = _candidates(target, count)
+    if len(points) < FEWEST:
+        raise InputError(
+            f"target {target.name}: only {len(points)} distinct corners that are often seen, a pose needs {FEWEST}; "
+            "name the points yourself with --keypoints"
+        )
     first = int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))
     chosen = points[farthest_points(points, count, first)]
-    return chosen, tuple(f"p{i:02d}" for i in range(count))
+    return chosen, tuple(f"p{i:02d}" for i in range(len(chosen)))
 
 
 def sharpness(vertices_m: Vertices, faces: Faces) -> Float[np.ndarray, "n_vertices"]:
@@ -58,25 +67,38 @@ def directions(n: int) -> Float[np.ndarray, "n 3"]:
 def seen_share(target: Target, points_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
     """Share of all directions from which each point is visible, up to 1 % of the target's radius."""
     d = directions(N_DIRECTIONS)
-    origin = points_m[:, None, :] + 0.01 * target.radius_m * d[None]
+    origin = points_m[:, None, :] + 0.01 * target.size_m * d[None]
     hit = first_hits(target, origin.reshape(-1, 3), np.tile(d, (len(points_m), 1)))
     return np.isinf(hit).reshape(len(points_m), len(d)).mean(axis=1)
 
 
-def _candidates(target: Target) -> Float[np.ndarray, "n 3"]:
-    """Sharp, often seen vertices, at most one in each cell of a grid; rules are eased where they leave too few."""
+def corner_turn(vertices_m: Vertices, faces: Faces) -> Float[np.ndarray, "n_vertices"]:
+    """Least eigenvalue of the mean of n n^T over the unit normals n about each vertex, weighted by their angles there.
+
+    0 on a flat and along a straight edge, whose normals span a plane at most; 1/3 at a cube's corner.
+    """
+    normal, angle = face_normals(vertices_m, faces), corner_angles(vertices_m, faces)
+    spread, weight = np.zeros((len(vertices_m), 3, 3)), np.zeros(len(vertices_m))
+    outer = normal[:, :, None] * normal[:, None, :]
+    for corner in range(3):
+        np.add.at(spread, faces[:, corner], outer * angle[:, corner, None, None])
+        np.add.at(weight, faces[:, corner], angle[:, corner])
+    return np.linalg.eigvalsh(spread / np.maximum(weight, 1e-300)[:, None, None])[:, 0]
+
+
+def _candidates(target: Target, count: int) -> Float[np.ndarray, "n 3"]:
+    """Corners, at most one in each cell of a grid, sharp and often seen; both are eased where they leave too few."""
     merged, index = np.unique(np.round(target.vertices_m / 1e-6), axis=0, return_inverse=True)
-    score = sharpness(merged * 1e-6, index.reshape(-1)[target.faces])
-    points = merged * 1e-6
-    thin = _thinned(points, score, target.radius_m / 40)
+    points, faces = merged * 1e-6, index.reshape(-1)[target.faces]
+    corner = np.flatnonzero(corner_turn(points, faces) >= MIN_TURN)
+    score, points = sharpness(points, faces)[corner], points[corner]
+    if len(points) == 0:
+        return points
+    thin = _thinned(points, score, target.size_m / 40)
     points, score = points[thin], score[thin]
     seen = seen_share(target, points)
     good = (score >= MIN_SHARPNESS) & (seen >= MIN_SEEN)
-    return points[good] if _enough(good) else points[seen >= MIN_SEEN / 2]
-
-
-def _enough(good: Bool[np.ndarray, "n"]) -> bool:
-    return int(good.sum()) >= 48
+    return points[good] if int(good.sum()) >= 2 * count else points[seen >= MIN_SEEN / 2]
 
 
 def _thinned(points: Float[np.ndarray, "n 3"], score: Float[np.ndarray, "n"], cell_m: float) -> Int[np.ndarray, "m"]:
@@ -116,7 +138,7 @@ def near_symmetries(target: Target, rng: np.random.Generator, limit: float = 0.0
             R = Rotation.from_rotvec(np.radians(angle) * axis).as_matrix()
             t_m = centre - R @ centre
             distance = tree.query(probe @ R.T + t_m)[0]
-            gap = float(np.percentile(distance, 95)) / target.radius_m
+            gap = float(np.percentile(distance, 95)) / target.size_m
             if gap < limit:
                 found.append(Symmetry(f"{name} axis {np.round(axis, 2).tolist()}", angle, gap, R, t_m))
     return found

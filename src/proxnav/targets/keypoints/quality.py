@@ -59,7 +59,7 @@ def mistaken(target: Target, turn: Symmetry) -> list[str]:
     moved = target.keypoints_m @ turn.R.T + turn.t_m
     gap = np.linalg.norm(moved[:, None] - target.keypoints_m[None], axis=2)
     names, near = target.keypoint_names, np.argmin(gap, axis=1)
-    close = gap[np.arange(len(near)), near] < 0.1 * target.radius_m
+    close = gap[np.arange(len(near)), near] < 0.1 * target.size_m
     pairs = {tuple(sorted((i, int(near[i])))) for i in np.flatnonzero(close) if near[i] != i}
     return [f"{names[a]}~{names[b]}" for a, b in sorted(pairs)]
 
@@ -71,4 +71,4 @@ def _far_from_surface(target: Target) -> list[str]:
     corners = target.vertices_m[target.faces]
     surface = np.concatenate([target.vertices_m, corners.mean(axis=1), 0.5 * (corners[:, 0] + corners[:, 1])])
     gap = KDTree(surface).query(target.keypoints_m)[0]
-    return [name for name, d in zip(target.keypoint_names, gap, strict=True) if d > 0.15 * target.radius_m]
+    return [name for name, d in zip(target.keypoint_names, gap, strict=True) if d > 0.15 * target.size_m]

@@ -20,7 +20,7 @@ def visible_keypoints(target: Target, T_cam_target: Pose, tolerance_m: float | N
     the camera: Embree works in float32, and so its precision does not depend on the range.
     """
     eye = T_cam_target.inverse().t_m
-    tolerance = HIT_TOLERANCE * target.radius_m if tolerance_m is None else tolerance_m
+    tolerance = HIT_TOLERANCE * target.size_m if tolerance_m is None else tolerance_m
     in_front = (T_cam_target @ target.keypoints_m)[:, 2] > 0
     return in_front & ~occluded(target, target.keypoints_m, np.broadcast_to(eye, target.keypoints_m.shape), tolerance)
 
@@ -71,17 +71,18 @@ Hits = tuple[Float[np.ndarray, "n"], Int[np.ndarray, "n"]]
 def _intersector(target: Target) -> Any:
     """(origins, directions) -> (distances, faces) over the mesh, built once for each target object."""
     try:
-        return _embree(target)
+        return embree_caster(target.vertices_m, target.faces)
     except ImportError:
         return _every_triangle(target)
 
 
-def _embree(target: Target) -> Any:
+def embree_caster(vertices_m: Float[np.ndarray, "n 3"], faces: Int[np.ndarray, "m 3"]) -> Any:
+    """(origins, directions) -> (distances, faces) over any triangles; ImportError without Embree."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
     scene = EmbreeScene()
-    mesh = TriangleMesh(scene, target.vertices_m.astype(np.float32), target.faces.astype(np.int32))
+    mesh = TriangleMesh(scene, vertices_m.astype(np.float32), faces.astype(np.int32))
 
     def cast(origins: Rays, directions: Rays) -> Hits:
         found = scene.run(origins.astype(np.float32), directions.astype(np.float32), output=True)

@@ -8,6 +8,7 @@ from jaxtyping import Float32
 
 from proxnav.errors import InputError
 from proxnav.targets.surface.material import Material
+from proxnav.targets.surface.part_image import PartImage, linear_texels
 from proxnav.targets.surface.patterns.pattern import Pattern
 from proxnav.targets.surface.patterns.surfaces import nominal_pattern
 from proxnav.targets.surface.randomisation import Look, random_looks
@@ -98,15 +99,36 @@ def part_surfaces(target: Target, strength: float, seed: int) -> tuple[PartTextu
     looks = random_looks(target.materials, strength, np.random.default_rng(seed)) if strength else None
     looks = looks or [Look(tint=(1.0, 1.0, 1.0))] * len(target.materials)
     return tuple(
-        _patterned(material, look) if look.mix is None else _random_texture(material, look)
-        for material, look in zip(target.materials, looks, strict=True)
+        _surface(material, look, target.images.get(name))
+        for name, material, look in zip(target.part_names, target.materials, looks, strict=True)
     )
+
+
+def _surface(material: Material, look: Look, image: PartImage | None) -> PartTexture | PatternedTexture:
+    """A random texture where the look asks for one, else the file's picture or the pattern of the material's kind."""
+    if look.mix is not None:
+        return _random_texture(material, look)
+    return _patterned(material, look) if image is None else _pictured(material, look, image)
+
+
+def _pictured(material: Material, look: Look, image: PartImage) -> PartTexture:
+    """The file's picture, its departure from the mean and its tone varied by the look."""
+    texels, mean = linear_texels(image), np.asarray(material.albedo, np.float32)
+    contrast = np.float32(look.contrast)
+    albedo = np.empty_like(texels)
+    for band in range(3):
+        gain = np.float32(look.tint[band]) * contrast
+        offset = np.float32(look.tint[band]) * (1 - contrast) * mean[band]
+        np.clip(texels[..., band] * gain + offset, 0.0, BRIGHTEST, out=albedo[..., band])
+    metallic = np.full(texels.shape[:2], material.metallic, np.float32)
+    roughness = np.full(texels.shape[:2], np.clip(material.roughness * look.roughness, SMOOTHEST, 1.0), np.float32)
+    return PartTexture(image.tile_m, albedo, metallic, roughness, material.ior, None)
 
 
 @lru_cache(maxsize=8)
 def _nominal(target: Target) -> tuple[PartTexture, ...]:
-    nominal = Look(tint=(1.0, 1.0, 1.0))
-    return tuple(_patterned(material, nominal).painted() for material in target.materials)
+    surfaces = part_surfaces(target, 0.0, 0)
+    return tuple(surface.painted() if isinstance(surface, PatternedTexture) else surface for surface in surfaces)
 
 
 def _patterned(material: Material, look: Look) -> PatternedTexture:
