@@ -28,7 +28,7 @@ def save_target(target: Target, folder: Path | str) -> Path:
     folder = Path(folder)
     with replacing(folder / "mesh.npz") as part, part.open("wb") as file:
         images = {_IMAGE + name: image.srgb for name, image in target.images.items()}
-        np.savez_compressed(file, **{name: getattr(target, name) for name in _ARRAYS}, **images)
+        np.savez_compressed(file, allow_pickle=False, **{name: getattr(target, name) for name in _ARRAYS}, **images)
     parts = [{"name": n} | asdict(m) for n, m in zip(target.part_names, target.materials, strict=True)]
     content = {
         "version": VERSION,

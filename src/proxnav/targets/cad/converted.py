@@ -7,6 +7,7 @@ import sys
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from proxnav.errors import InputError
 
@@ -71,7 +72,7 @@ def _step_unit_m(path: Path) -> float:
     return units.pop()
 
 
-def _converted(path: Path, worker: str, words: list[str]) -> tuple[bytes, dict[str, object]]:
+def _converted(path: Path, worker: str, words: list[str]) -> tuple[bytes, dict[str, Any]]:
     """(GLB, what the worker says about it)."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.glb"

@@ -62,7 +62,7 @@ def _one_way(probed: Triangles, other: Triangles, rng: np.random.Generator) -> f
 
     probes = np.concatenate([_samples(probed, N_PROBES // 2, rng)[0], _corners(probed, N_PROBES // 2, rng)])
     samples, owner = _samples(other, N_SAMPLES, rng)
-    near = KDTree(samples).query(probes, k=4)[1]
+    near = np.asarray(KDTree(samples).query(probes, k=4)[1])
     nearest = np.full(len(probes), np.inf)
     for candidate in near.T:
         point = closest_point(other[owner[candidate]], probes)
