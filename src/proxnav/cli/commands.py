@@ -50,6 +50,7 @@ BENCHMARK = {
 
 COMMANDS: dict[str, Command | Group] = {
     "demo": Command("the whole chain, small: render, estimate, solve, evaluate, plot", "demo"),
+    "learn": Command("a model of your mission: train, calibrate, measure, report", "learn"),
     "render": Command("a data set or a sequence, from a preset or a trajectory file", "render"),
     "train": Group("a keypoint detector, from a data set or rendered on line", TRAIN),
     "estimate": Command("images or a data set to poses.json", "estimate"),

@@ -25,14 +25,14 @@ class Table1Config(MissionOptions, ModelOptions, WorkerOptions):
 
 def run(config: Table1Config) -> None:
     """Renders, estimates, and prints the tables."""
-    from proxnav.benchmarks.table1 import measure_table1
     from proxnav.cli.progress import progress
+    from proxnav.measured_set import measure_set
     from proxnav.missions import MISSION, write_mission
     from proxnav.missions.scenes import draw_scenes
 
     mission = config.read_mission()
     write_mission(config.out / MISSION, mission)
-    judgement = measure_table1(
+    judgement = measure_set(
         config.out, f"{mission.name}-{config.renderer}-{config.frames}-{config.seed}",
         draw_scenes(mission, config.frames, config.seed), FrameConfig(config.renderer, config.samples), config.model,
         config, config.backend, config.workers, config.on, progress,

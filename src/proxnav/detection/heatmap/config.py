@@ -42,6 +42,8 @@ class TrainHeatmapConfig:
     rate: float = 1e-3
     start: Path | None = None
     """Weights (safetensors) to start from, such as those of a smaller side."""
+    trunk: Path | None = None
+    """Weights of another target's network, of which those that fit are taken: all but the keypoints' own."""
 
 
 @dataclass(frozen=True)

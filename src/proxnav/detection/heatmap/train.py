@@ -19,7 +19,7 @@ from proxnav.detection.heatmap.network import HeatmapNet
 from proxnav.detection.heatmap.pyramid import STRIDE, as_channels_last
 from proxnav.detection.samples import SampleSource, TrainingSample, check_keypoint_count
 from proxnav.detection.training.config import SEED
-from proxnav.detection.training.files import load_weights
+from proxnav.detection.training.files import load_fitting, load_weights
 from proxnav.detection.training.learner import Learner, TrainingResult, Validate
 from proxnav.detection.training.loop import train
 from proxnav.detection.training.rates import warm_up_then_cosine
@@ -74,6 +74,8 @@ def _learner(
     n_keypoints: int | None,
     turns: Turns,
 ) -> Learner:
+    if isinstance(config, TrainHeatmapConfig) and config.trunk is not None:
+        load_fitting(net, config.trunk)
     if config.start is not None:
         load_weights(net, config.start)
 

@@ -35,8 +35,13 @@ def _take(stream: Iterator[TrainingSample], n: int) -> list[TrainingSample]:
     return samples
 
 
-def ahead(items: Iterator[Item], depth: int = 2) -> Generator[Item, None, None]:
-    """The same items, drawn by a thread that stays up to `depth` items ahead; its exception is raised here."""
+def ahead(
+    items: Iterator[Item], cancelled: Callable[[], bool] = lambda: False, depth: int = 2
+) -> Generator[Item, None, None]:
+    """The same items, drawn by a thread that stays up to `depth` items ahead; its exception is raised here.
+
+    They end early where `cancelled` says so while there is nothing to give.
+    """
     ready: queue.Queue[tuple[Item | None, BaseException | None]] = queue.Queue(depth)
     closed = threading.Event()
 
@@ -64,10 +69,15 @@ def ahead(items: Iterator[Item], depth: int = 2) -> Generator[Item, None, None]:
     worker.start()
     try:
         while True:
-            item, error = ready.get()
+            try:
+                item, error = ready.get(timeout=0.2)
+            except queue.Empty:
+                if cancelled():
+                    return
+                continue
             if error is not None:
                 raise error
             yield item  # type: ignore[misc]
     finally:
         closed.set()
-        worker.join(timeout=10.0)
+        worker.join(timeout=0.0 if cancelled() else 10.0)  # it may be waiting for a sample; it is a daemon

@@ -49,17 +49,25 @@ def load_checkpoint(path: Path) -> dict[str, Any]:
         ) from error
 
 
+def load_fitting(net: nn.Module, path: Path) -> int:
+    """Copies those weights that have a network's names and shapes, its trunk for one; how many there were.
+
+    InputError where the file is absent or damaged, or nothing in it fits.
+    """
+    own, state = net.state_dict(), _read_weights(path)
+    fitting = {name: value for name, value in state.items() if name in own and own[name].shape == value.shape}
+    if not fitting:
+        raise InputError(f"{path}: weights of another kind of network; give those of the same detector")
+    net.load_state_dict(own | fitting)
+    return len(fitting)
+
+
 def load_weights(net: nn.Module, path: Path) -> None:
     """Copies the weights of `save_weights`, or of an exported model (names begin with `net.`), into a network.
 
     InputError where the file is absent, damaged, or of another network.
     """
-    try:
-        state = load_file(path)
-    except (OSError, SafetensorError) as error:
-        raise InputError(f"{path}: no readable safetensors weights ({error}); check the path") from None
-    state = {name.removeprefix("net."): value for name, value in state.items()}
-    own = net.state_dict()
+    state, own = _read_weights(path), net.state_dict()
     foreign = sorted(own.keys() ^ state.keys()) or [name for name in own if own[name].shape != state[name].shape]
     if foreign:
         raise InputError(
@@ -73,3 +81,11 @@ def save_weights(path: Path, state: Mapping[str, torch.Tensor], notes: Mapping[s
     tensors = {name: tensor.detach().cpu().contiguous().clone() for name, tensor in state.items()}
     header = {"proxnav": json.dumps(dict(notes), sort_keys=True)}
     write_atomically(path, lambda temporary: save_file(tensors, temporary, header))
+
+
+def _read_weights(path: Path) -> dict[str, torch.Tensor]:
+    try:
+        state = load_file(path)
+    except (OSError, SafetensorError) as error:
+        raise InputError(f"{path}: no readable safetensors weights ({error}); check the path") from None
+    return {name.removeprefix("net."): value for name, value in state.items()}

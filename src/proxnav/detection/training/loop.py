@@ -87,21 +87,31 @@ def _train(
         source, learner.collate, config.batch_size, config.accumulate, SEED,
         step=run.at.step, rank=run.fabric.global_rank, world=run.fabric.world_size,
     )  # fmt: skip
-    with closing(ahead(feed)) as ready, stop_requested() as stop, progress_bar(config.steps, run.at.step) as show:
+    alone = run.fabric.world_size == 1  # ranks stop together, after a step that all of them took
+    with (
+        stop_requested() as stop,
+        closing(ahead(feed, stop if alone else _never)) as ready,
+        progress_bar(_share(run)) as show,
+    ):
         while (reason := _ended(run)) is None:
             began = time.monotonic()
             with run.meter.waiting():
-                parts: Any = run.fabric.to_device(next(ready))
-            _advance(run, parts, show)
+                parts: Any = run.fabric.to_device(next(ready, None))
+            if parts is not None:
+                _advance(run, parts, show)
             # All ranks must agree on how much of the time is gone.
             run.at.seconds += mean_over_ranks(run.fabric, {"seconds": time.monotonic() - began})["seconds"]
-            if any_rank(run.fabric, stop()):
+            if any_rank(run.fabric, parts is None or stop()):
                 _save(run)
                 raise KeyboardInterrupt
             if run.at.step % config.save_every == 0:
                 _save(run)
     _save(run)
     return _result(run, reason)
+
+
+def _never() -> bool:
+    return False
 
 
 def _start(learner: Learner, config: LoopConfig, out: Path, validate: Validate | None) -> _Run:
@@ -149,7 +159,9 @@ def _advance(run: _Run, parts: list[Any], show: Show) -> None:
     _account(run, terms)
     if at.step % config.log_every == 0:
         row = mean_over_ranks(run.fabric, run.meter.row(rate))
-        show(at.step, f"loss {row.get('loss', math.nan):.4g}, {row['images_per_s']:.1f} images/s")
+        score = f", best validation {at.best_score:.4g}" if math.isfinite(at.best_score) else ""
+        loss = f"loss {row.get('loss', math.nan):.4g}"
+        show(_share(run), f"step {at.step}, {loss}{score}, {row['images_per_s']:.1f} images/s")
         _write_row(run, {"skipped": at.skipped} | row)
     if run.validate is not None and config.validate_every and at.step % config.validate_every == 0:
         _validate(run, run.validate)

@@ -1,17 +1,15 @@
 """How fast a run goes and how long it waits for data, shown while it runs."""
 
-import logging
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from torch import Tensor
 
-_log = logging.getLogger(__name__)
-
-LINE_EVERY_S = 60.0
+LINE_EVERY_S = 30.0
 """Where nobody watches a bar, a line this often."""
 
 
@@ -55,31 +53,32 @@ class Meter:
         return {"rate": rate} | speed | means
 
 
-Show = Callable[[int, str], None]
+Show = Callable[[float, str], None]
+"""`show(share, text)`: the share of the training that is done, and what else there is to say."""
 
 
 @contextmanager
-def progress_bar(total: int, done: int) -> Iterator[Show]:
-    """Yields `show(step, text)`: a bar with time left on a terminal, a logged line now and then elsewhere."""
+def progress_bar(done: float) -> Iterator[Show]:
+    """A bar with time left on a terminal, a line on stderr every half minute elsewhere; `done` is the share so far."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _lines(total, done)
+        yield _lines(done)
         return
-    columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
+    columns = (BarColumn(), TaskProgressColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
     with Progress(*columns, console=console) as progress:
-        task = progress.add_task("", total=total, completed=done)
-        yield lambda step, text: progress.update(task, completed=step, description=text)
+        task = progress.add_task("", total=1.0, completed=done)
+        yield lambda share, text: progress.update(task, completed=share, description=text)
 
 
-def _lines(total: int, done: int) -> Show:
+def _lines(done: float) -> Show:
     started = last = time.perf_counter()
 
-    def show(step: int, text: str) -> None:
+    def show(share: float, text: str) -> None:
         nonlocal last
         now = time.perf_counter()
         if now - last >= LINE_EVERY_S:
             last = now
-            left = (now - started) / max(step - done, 1) * (total - step)
-            _log.info("step %d of %d, %s, %.0f min left", step, total, text, left / 60.0)
+            left_min = (now - started) / max(share - done, 1e-9) * max(1.0 - share, 0.0) / 60.0
+            print(f"training: {100 * share:.1f} %, {text}, {left_min:.0f} min left", file=sys.stderr, flush=True)
 
     return show

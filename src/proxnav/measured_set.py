@@ -1,4 +1,4 @@
-"""Table 1: one model's pose errors on the fixed set of a seed, rendered once and kept."""
+"""One model's pose errors on a set of scenes, rendered once and kept."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ from proxnav.rendered_set import render
 from proxnav.viewing.run_writer import write_run
 
 
-def measure_table1(
+def measure_set(
     out: Path, name: str, scenes: Sequence[SceneSpec], frames: FrameConfig, model: str, options: Any,
     backend: Backend = "auto", workers: int = 1, on: str = POOL, progress: Progress = silent,
 ) -> Judgement:  # fmt: skip
