@@ -33,6 +33,10 @@ TRAIN = {
     "export": Command("trained networks as a model folder that runs without torch", "train_export"),
     "keypoint-rcnn": Command("the seed study's Keypoint R-CNN", "train_rcnn"),
 }
+MISSION = {
+    "show": Command("frames of a mission, and the accuracy, light and motion it allows", "mission_show"),
+    "new": Command("a commented mission file, from options or by asking", "mission_new"),
+}
 TARGET = {
     "show": Command("size, parts, keypoints and the accuracy they allow; a picture from eight sides", "target_show"),
     "new": Command("a target from a mesh file: scale, axes, keypoints, preview", "target_new"),
@@ -64,6 +68,7 @@ COMMANDS: dict[str, Command | Group] = {
     "evaluate": Command("poses.json against truth: the study's Table 1 and ours", "evaluate"),
     "report": Command("one HTML page of a finished run", "report"),
     "view": Command("replay of a run: Rerun, video (.mp4) or MCAP", "view"),
+    "mission": Group("say once what is looked at, by which camera and from where", MISSION),
     "target": Group("look at a target: keypoints, extents, preview", TARGET),
     "convert": Command(
         "data sets, poses and trajectories between formats",

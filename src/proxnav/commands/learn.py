@@ -47,6 +47,4 @@ def run(config: LearnConfig) -> None:
     for renderer, judgement in learn(mission, config.out, effort, config, progress).items():
         print(f"\n{renderer}, {len(judgement.frames)} frames, {config.out / renderer / 'report.html'}\n")
         print(judgement.text())
-    print(
-        f"\nmodel: {config.out / 'model'}; estimate images with: proxnav estimate IMAGES --model {config.out / 'model'}"
-    )
+    print(f"\nproxnav estimate IMAGES --model {config.out / 'model'}")

@@ -112,6 +112,16 @@ class Mission:
             if not 0.0 <= low <= high:
                 raise InputError(f"mission {self.name}: {name} needs 0 <= least <= most, found {low:g} and {high:g}")
 
+    def describe(self) -> str:
+        """Craft, camera and views in a line."""
+        camera, view = self.camera, self.view
+        across = 2.0 * math.degrees(math.atan(0.5 * camera.width / camera.fx))
+        roll = "any roll" if view.roll_deg == "any" else f"roll within {view.roll_deg:g} deg"
+        return (
+            f"{self.name}: {self.target} from {view.range_m[0]:g} to {view.range_m[1]:g} m, {roll}, attitude "
+            f"{view.attitude}, camera of {camera.width} x {camera.height} px, {across:.3g} deg across"
+        )
+
     @property
     def scenes(self) -> RandomSceneConfig:
         """The distribution of the mission's frames, where they are drawn one by one."""

@@ -109,11 +109,12 @@ def test_a_cut_crop_shows_a_dot_where_its_coordinates_say(crop, side):
 
 @settings(max_examples=30)
 @given(st.integers(0, 10_000))
-def test_augmentation_moves_labels_with_the_image(seed):
+@pytest.mark.parametrize("turns", ["small", "any"])
+def test_augmentation_moves_labels_with_the_image(seed, turns):
     dot = np.array([60.2, 70.7])
     image = np.round(_dot(np.zeros((128, 128)), dot)).astype(np.uint8)
     sample = TrainingSample(image, dot[None], np.array([2]), np.array([50.0, 60.0, 70.0, 80.0]), image > 50)
-    new = moved(sample, np.random.default_rng(seed))
+    new = moved(sample, np.random.default_rng(seed), turns)
     np.testing.assert_allclose(_centroid(new.image), new.keypoints_px[0], atol=0.1)  # px
     assert new.mask is not None
     np.testing.assert_allclose(_centroid(new.mask), new.keypoints_px[0], atol=0.5)  # px

@@ -3,7 +3,7 @@
 import logging
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import closing, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -87,12 +87,7 @@ def _train(
         source, learner.collate, config.batch_size, config.accumulate, SEED,
         step=run.at.step, rank=run.fabric.global_rank, world=run.fabric.world_size,
     )  # fmt: skip
-    alone = run.fabric.world_size == 1  # ranks stop together, after a step that all of them took
-    with (
-        stop_requested() as stop,
-        closing(ahead(feed, stop if alone else _never)) as ready,
-        progress_bar(_share(run)) as show,
-    ):
+    with stop_requested() as stop, closing(_ahead(run, feed, stop)) as ready, progress_bar(_share(run)) as show:
         while (reason := _ended(run)) is None:
             began = time.monotonic()
             with run.meter.waiting():
@@ -110,8 +105,9 @@ def _train(
     return _result(run, reason)
 
 
-def _never() -> bool:
-    return False
+def _ahead(run: _Run, feed: Iterator[Any], stop: Callable[[], bool]) -> Generator[Any, None, None]:
+    """Batches that end where a stop is asked for; several ranks stop together, after a step that all of them took."""
+    return ahead(feed, stop if run.fabric.world_size == 1 else lambda: False)
 
 
 def _start(learner: Learner, config: LoopConfig, out: Path, validate: Validate | None) -> _Run:

@@ -9,6 +9,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from torch import Tensor
 
+_BAR = 1000
+"""Steps of the bar."""
 LINE_EVERY_S = 30.0
 """Where nobody watches a bar, a line this often."""
 
@@ -66,8 +68,8 @@ def progress_bar(done: float) -> Iterator[Show]:
         return
     columns = (BarColumn(), TaskProgressColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
     with Progress(*columns, console=console) as progress:
-        task = progress.add_task("", total=1.0, completed=done)
-        yield lambda share, text: progress.update(task, completed=share, description=text)
+        task = progress.add_task("", total=_BAR, completed=round(_BAR * done))
+        yield lambda share, text: progress.update(task, completed=_BAR * share, description=text)
 
 
 def _lines(done: float) -> Show:
