@@ -107,9 +107,9 @@ def test_a_cut_crop_shows_a_dot_where_its_coordinates_say(crop, side):
     np.testing.assert_allclose(found, crop.to_network(dot, side), atol=0.05)  # px
 
 
-@settings(max_examples=30)
-@given(st.integers(0, 10_000))
 @pytest.mark.parametrize("turns", ["small", "any"])
+@settings(max_examples=30)
+@given(seed=st.integers(0, 10_000))
 def test_augmentation_moves_labels_with_the_image(seed, turns):
     dot = np.array([60.2, 70.7])
     image = np.round(_dot(np.zeros((128, 128)), dot)).astype(np.uint8)
