@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from proxnav.errors import InputError
-from proxnav.missions import Mission, load_mission, write_mission
+from proxnav.errors import InputError, InputNote
+from proxnav.missions import Mission, fly_mission, load_mission, write_mission
 from proxnav.missions.files import mission_toml, parse_mission, shipped_missions
 from proxnav.missions.flights import FLIGHTS
 from proxnav.sensor.presets import SPEED_CLASS
@@ -93,6 +93,76 @@ def test_the_mission_of_the_documentation_is_one_and_the_table_there_lists_those
     assert parse_mission(content, "missions.md").view.attitude == "any"
     rows = page.split("## Shipped")[1].splitlines()
     assert {row.split("`")[1] for row in rows if row.startswith("| `")} == set(shipped_missions())
+
+
+FLOWN = """
+[flight]
+files = ["ok.oem", "hill/lvlh_vbar.csv"]
+[flight.reader]
+epoch_utc = "2026-01-01T00:00:00Z"
+step_s = 30
+[flight.reader.target_orbit]
+altitude_m = 500e3
+"""
+
+
+def flown_mission(folder: Path) -> Path:
+    """A mission file beside a target's orbit and the chaser's path in LVLH."""
+    data = Path(__file__).parents[1] / "data" / "trajectories"
+    (folder / "hill").mkdir()
+    (folder / "ok.oem").write_text((data / "ok.oem").read_text())
+    (folder / "hill" / "lvlh_vbar.csv").write_text((data / "lvlh_vbar.csv").read_text())
+    path = folder / "mine.toml"
+    path.write_text(mission_toml(OBSERVATION) + FLOWN)
+    return path
+
+
+def test_a_mission_flies_the_files_beside_it_as_its_reader_says(tmp_path: Path) -> None:
+    mission = load_mission(flown_mission(tmp_path))
+    assert mission.flight.reader.target_orbit.altitude_m == 500e3
+    with pytest.warns(InputNote, match=r"hill/lvlh_vbar\.csv: read as LVLH .* whose orbit is that of .*ok\.oem"):
+        flight = fly_mission(mission)
+    assert flight.t == pytest.approx(np.arange(0.0, 601.0, 30.0))
+    assert flight.range_m[0] == pytest.approx(np.sqrt(200.0))
+
+
+def test_a_mission_that_is_written_elsewhere_still_finds_its_files(tmp_path: Path) -> None:
+    mission = load_mission(flown_mission(tmp_path))
+    (tmp_path / "set").mkdir()
+    write_mission(tmp_path / "set" / "mission.toml", mission)
+    assert load_mission(tmp_path / "set" / "mission.toml") == mission
+    assert "q_chaser_cam" not in mission_toml(mission)  # what is usual is not written
+    assert hash(mission) == hash(load_mission(tmp_path / "mine.toml"))
+
+
+@pytest.mark.parametrize(
+    ("flight", "said"),
+    [
+        (
+            'trajectory = "hold-30m"\nfiles = ["a.oem"]',
+            "either generated or read, found trajectory 'hold-30m' and files",
+        ),
+        ('files = "a.oem"', "flight: files must be .*, found 'a.oem'"),
+        ('files = ["a.oem"]\nreader = {fram = "RIC"}', "flight: reader: unknown key 'fram'; did you mean frame"),
+        (
+            'files = ["a.oem"]\nreader = {target_orbit = {altitude_m = "low"}}',
+            "target_orbit: altitude_m must be a number",
+        ),
+        ('files = ["a.oem"]\nreader = 3', "flight: reader must be a table"),
+        ('reader = {frame = "RIC"}', r"\[flight.reader\] says how files are read, and there are none"),
+    ],
+)
+def test_a_flight_with_a_fault_is_refused_in_a_sentence(flight: str, said: str) -> None:
+    content = tomllib.loads(mission_toml(OBSERVATION) + "\n[flight]\n" + flight)
+    with pytest.raises(InputError, match=said):
+        parse_mission(content, "own.toml")
+
+
+def test_a_mission_whose_files_are_gone_says_so(tmp_path: Path) -> None:
+    path = flown_mission(tmp_path)
+    (tmp_path / "ok.oem").unlink()
+    with pytest.raises(InputError, match=r"ok\.oem: no such file"):
+        fly_mission(load_mission(path))
 
 
 def test_a_mission_is_a_value() -> None:

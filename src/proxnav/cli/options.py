@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +15,7 @@ from proxnav.geometry.calibration import EXACT, CalibrationSigma
 from proxnav.geometry.camera_files import read_camera_file
 from proxnav.missions import Mission, load_mission
 from proxnav.storage.files import write_json
+from proxnav.trajectories.readers.config import ReaderConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +91,16 @@ class MissionOptions:
         """The mission, to the target that is asked for; InputError where there is no such mission."""
         mission = load_mission(self.mission)
         return mission if self.target is None else replace(mission, target=self.target)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrajectoryOptions:
+    """A flight from files in place of the mission's."""
+
+    trajectory: tuple[Path, ...] = ()
+    """Trajectory file(s) in place of the mission's: docs/trajectories.md"""
+    reader: ReaderConfig = field(default_factory=ReaderConfig)
+    """What the trajectory files do not say themselves."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,28 +1,23 @@
 """`proxnav render`: a data set or a sequence, from a mission or a trajectory file."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import CameraOptions, DryRunOptions, MissionOptions, WorkerOptions
+from proxnav.cli.options import CameraOptions, DryRunOptions, MissionOptions, TrajectoryOptions, WorkerOptions
 from proxnav.missions import Mission
 from proxnav.records.scene import SceneSpec, Textures
 from proxnav.rendering.config import FrameConfig, Renderer
-from proxnav.trajectories.readers.config import ReaderConfig
 
 
 @dataclass(frozen=True)
-class RenderConfig(MissionOptions, CameraOptions, WorkerOptions, DryRunOptions):
+class RenderConfig(MissionOptions, TrajectoryOptions, CameraOptions, WorkerOptions, DryRunOptions):
     """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
 
     out: Path
     """Folder of the data set."""
-    trajectory: tuple[Path, ...] = ()
-    """Trajectory file(s) in place of the mission's: docs/trajectories.md"""
-    reader: ReaderConfig = field(default_factory=ReaderConfig)
-    """What the trajectory files do not say themselves."""
     sensor: str | None = None
     """speed-class or cmv4000-class, either also with -colour."""
     particles: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
@@ -65,9 +60,9 @@ def run(config: RenderConfig) -> None:
 
 def mission_of(config: RenderConfig) -> Mission:
     """The mission with what the command line says otherwise."""
-    from proxnav.missions.changes import changed
+    from proxnav.missions.changes import along, changed
 
-    mission = config.read_mission()
+    mission = along(config.read_mission(), config.trajectory, config.reader)
     camera = config.camera_or(lambda: mission.camera)
     return changed(mission, camera, config.sensor, config.particles, config.textures)
 
@@ -75,7 +70,5 @@ def mission_of(config: RenderConfig) -> Mission:
 def scenes_of(config: RenderConfig, mission: Mission) -> list[SceneSpec]:
     """The scenes that a configuration asks for, of its mission."""
     from proxnav.missions.scenes import mission_scenes, under_clouds
-    from proxnav.trajectories.read import read_trajectory
 
-    flown = read_trajectory(config.trajectory, config.reader) if config.trajectory else None
-    return under_clouds(mission_scenes(mission, config.frames, config.seed, config.size, flown), config.clouds)
+    return under_clouds(mission_scenes(mission, config.frames, config.seed, config.size), config.clouds)

@@ -6,24 +6,19 @@ from typing import Annotated
 
 import tyro
 
-from proxnav.cli.options import MissionOptions, WorkerOptions
+from proxnav.cli.options import MissionOptions, TrajectoryOptions, WorkerOptions
 from proxnav.flight.simulate import Detector, SensingConfig
 from proxnav.flight.truth import TruthConfig
-from proxnav.trajectories.readers.config import ReaderConfig
 
 
 @dataclass(frozen=True, kw_only=True)
-class SimulateConfig(MissionOptions, WorkerOptions):
+class SimulateConfig(MissionOptions, TrajectoryOptions, WorkerOptions):
     """Flies both craft under J2 and drag near a trajectory and records every sensor as csv, with the truth beside."""
 
     out: Path
     """Folder of the records."""
     mission: Annotated[str, tyro.conf.arg(aliases=("--preset",))] = "spiral-10-100m"
     """Name of a shipped mission with a trajectory, or a TOML file: docs/missions.md"""
-    trajectory: tuple[Path, ...] = ()
-    """Files in place of the mission's, docs/trajectories.md."""
-    reader: ReaderConfig = field(default_factory=ReaderConfig)
-    """What the trajectory files do not say themselves."""
     start_s: float = 0.0
     """First second of the trajectory to fly."""
     duration_s: float | None = None
@@ -46,16 +41,15 @@ def run(config: SimulateConfig) -> None:
     from proxnav.errors import InputError
     from proxnav.flights import FlightPlan, flight_text, fly_many, write_flight
     from proxnav.missions import MISSION, fly_mission, write_mission
+    from proxnav.missions.changes import along
     from proxnav.models.loading import carried_model
     from proxnav.targets.loading import load_target
-    from proxnav.trajectories.read import read_trajectory
     from proxnav.trajectories.selection import clip_time
 
     if config.runs < 1 or config.seed < 0:
         raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
-    mission = config.read_mission()
-    whole = read_trajectory(config.trajectory, config.reader) if config.trajectory else fly_mission(mission)
-    reference = clip_time(whole, config.start_s, config.duration_s)
+    mission = along(config.read_mission(), config.trajectory, config.reader)
+    reference = clip_time(fly_mission(mission), config.start_s, config.duration_s)
     plan = FlightPlan(
         reference,
         load_target(mission.target),

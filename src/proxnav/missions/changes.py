@@ -1,12 +1,24 @@
 """A mission with what a command line says otherwise."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
-from proxnav.missions.mission import Mission
+from proxnav.missions.mission import Flight, Mission
 from proxnav.records.scene import TEXTURE_STRENGTHS, Textures
 from proxnav.sensor.presets import sensor_by_name
+from proxnav.trajectories.readers.config import ReaderConfig
+
+
+def along(mission: Mission, files: Sequence[Path], reader: ReaderConfig) -> Mission:
+    """The mission with the flight that files hold; unchanged without files."""
+    if not files and reader != ReaderConfig():
+        raise InputError("--reader says how trajectory files are read; give them with --trajectory")
+    if not files:
+        return mission
+    return replace(mission, flight=Flight(files=tuple(str(Path(f).resolve()) for f in files), reader=reader))
 
 
 def changed(

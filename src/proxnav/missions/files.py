@@ -1,6 +1,7 @@
 """Missions as TOML: read strictly, written completely, shipped by name."""
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from proxnav.missions.table import from_table, to_table
 from proxnav.records import SensorSpec
 from proxnav.sensor.presets import SENSORS, sensor_by_name
 from proxnav.storage.files import write_atomic
+from proxnav.trajectories.readers.config import ReaderConfig
 
 MISSION = "mission.toml"
 """Name of the copy that data sets, runs, flights and models carry."""
@@ -60,6 +62,7 @@ def parse_mission(content: dict[str, Any], where: str) -> Mission:
     camera = dict(camera)
     base = sensor_by_name(str(camera.pop(_SENSOR_KEY, "ideal")))
     own = from_table(SensorSpec, plain.pop("sensor", {}), f"{where}: sensor", base)
+    sections["flight"] = _from_folder(sections["flight"], Path(where).parent)
     fields = {"camera": mission_camera(camera, f"{where}: camera", Path(where).parent), "sensor": own} | sections
     return from_table(Mission, plain, where, known=fields)
 
@@ -70,12 +73,20 @@ def mission_toml(mission: Mission) -> str:
     sensor = SENSORS.get(mission.sensor.name, SensorSpec())
     table["camera"] = camera_table(mission.camera) | {_SENSOR_KEY: sensor.name}
     table["sensor"] = to_table(mission.sensor, than=sensor)
+    table["flight"] = to_table(mission.flight, than=Flight())
+    if mission.flight.files:
+        table["flight"]["reader"] = to_table(mission.flight.reader, than=ReaderConfig())
     return tomlkit.dumps({key: value for key, value in table.items() if value != {}})
 
 
 def write_mission(path: Path, mission: Mission) -> None:
     """Writes the mission's TOML, whole or not at all."""
     write_atomic(path, mission_toml(mission).encode())
+
+
+def _from_folder(flight: Flight, folder: Path) -> Flight:
+    """The flight with its files found from a folder on, wherever the mission is written to afterwards."""
+    return replace(flight, files=tuple(str((folder / name).resolve()) for name in flight.files))
 
 
 def _content(path: Path) -> dict[str, Any]:

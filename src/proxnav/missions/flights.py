@@ -1,4 +1,4 @@
-"""Generated trajectories by name."""
+"""Trajectories of missions: generated ones by name, or from files."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,6 +14,7 @@ from proxnav.trajectories import (
     HoldConfig,
     OrbitConfig,
     hold,
+    read_trajectory,
     straight_approach,
     walking_safety_ellipse,
 )
@@ -41,6 +42,8 @@ def fly(name: str) -> Trajectory:
 
 def fly_mission(mission: Mission) -> Trajectory:
     """The trajectory of a mission; InputError where it has none, but independent frames."""
+    if mission.flight.files:
+        return read_trajectory(mission.flight.files, mission.flight.reader)
     if not mission.flight.trajectory:
         raise InputError(f"mission '{mission.name}' has no trajectory to fly; spiral-10-100m, for one, has")
     return fly(mission.flight.trajectory)

@@ -13,6 +13,7 @@ from proxnav.records import SensorSpec
 from proxnav.scenes.random_scene import RandomSceneConfig
 from proxnav.scenes.random_sun import SunConfig
 from proxnav.scenes.random_view import ViewpointConfig
+from proxnav.trajectories.readers.config import ReaderConfig
 
 Span = tuple[float, float]
 """(least, most) of a uniform distribution."""
@@ -68,7 +69,25 @@ class Flight:
     """The flight, where frames are those of a trajectory instead of independent draws."""
 
     trajectory: str = ""
-    """Name of a generated trajectory; empty for independent frames."""
+    """Name of a generated trajectory; empty for independent frames or for `files`."""
+    files: tuple[str, ...] = ()
+    """Trajectory files in its place, target first; in a TOML they are looked for from its folder on."""
+    reader: ReaderConfig = field(default_factory=ReaderConfig)
+    """What the files do not say themselves: axes, units, the target's orbit."""
+
+    def __post_init__(self) -> None:
+        if self.trajectory and self.files:
+            raise InputError(
+                f"a flight is either generated or read, found trajectory '{self.trajectory}' and files "
+                f"{', '.join(self.files)}; leave one out"
+            )
+        if not self.files and self.reader != ReaderConfig():
+            raise InputError("[flight.reader] says how files are read, and there are none; name them in [flight] files")
+
+    @property
+    def is_flown(self) -> bool:
+        """Whether there is a trajectory, generated or read."""
+        return bool(self.trajectory or self.files)
 
 
 @dataclass(frozen=True)

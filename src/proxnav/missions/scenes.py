@@ -18,19 +18,15 @@ from proxnav.trajectories.selection import spread
 LARGEST_SIDE_PX = 16_384
 
 
-def mission_scenes(
-    mission: Mission, frames: int | None, seed: int, size: int | None = None, trajectory: Trajectory | None = None
-) -> list[SceneSpec]:
-    """Scenes along a trajectory or the mission's own flight; drawn one by one where there is neither.
+def mission_scenes(mission: Mission, frames: int | None, seed: int, size: int | None = None) -> list[SceneSpec]:
+    """Scenes along the mission's flight; drawn one by one where it has none.
 
     Without a number of frames there are as many as the mission says.
     """
     count = mission.frames if frames is None else frames
-    if trajectory is None and mission.flight.trajectory:
-        trajectory = fly_mission(mission)
-    if trajectory is None:
+    if not mission.flight.is_flown:
         return draw_scenes(mission, count, seed, size)
-    return follow(trajectory, mission, count, seed, size)
+    return follow(fly_mission(mission), mission, count, seed, size)
 
 
 def draw_scenes(mission: Mission, frames: int, seed: int, size: int | None = None) -> list[SceneSpec]:

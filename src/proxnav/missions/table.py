@@ -48,7 +48,9 @@ def _is_missing(field: Any, values: dict[str, Any]) -> bool:
 
 
 def _typed(value: Any, hint: Any, where: str) -> Any:
-    """The value as `hint` wants it: whole numbers are floats too, arrays are tuples."""
+    """The value as `hint` wants it: whole numbers are floats too, arrays are tuples, tables dataclasses."""
+    if is_dataclass(hint):
+        return from_table(hint, value, where)  # pyright: ignore
     for kind in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
         fits, converted = _as(value, kind)
         if fits:
