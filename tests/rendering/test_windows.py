@@ -1,6 +1,7 @@
 """The target's window holds its image and no more than a margin around it."""
 
 import numpy as np
+import pytest
 import trimesh
 
 from proxnav.geometry import Camera, Pose
@@ -35,8 +36,14 @@ def test_a_target_around_the_camera_takes_all():
     assert target_window(CUBE, T, CAMERA, WHOLE) == WHOLE
 
 
-def test_it_holds_bowed_edges_of_a_distorted_image():
-    camera = Camera(200, 100, 150.0, 150.0, 100.0, 50.0, (-0.3, 0.1, 0.0, 0.0, 0.0))
+@pytest.mark.parametrize(
+    "camera",
+    [
+        Camera(200, 100, 150.0, 150.0, 100.0, 50.0, (-0.3, 0.1, 0.0, 0.0, 0.0)),
+        Camera(200, 100, 150.0, 150.0, 100.0, 50.0, (-0.02, 0.006, -0.004, 0.0008), "fisheye"),
+    ],
+)
+def test_it_holds_bowed_edges_of_a_distorted_image(camera):
     T = Pose.from_wxyz("cam", "target", [1.0, 0.0, 0.0, 0.0], [0.5, -0.1, 3.5])
     edge = np.linspace(CUBE.min(axis=0), [0.5, -0.5, -0.5], 50)
     window = target_window(CUBE, T, camera, WHOLE)

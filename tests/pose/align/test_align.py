@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from boxcraft import QUADS, boxcraft
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.calibration import CalibrationSigma
 from proxnav.geometry.compiled.lens import lens_numbers
 from proxnav.geometry.perturbation import difference, moved
 from proxnav.pose.align import AlignConfig, Prior, align
@@ -23,6 +24,7 @@ from proxnav.pose.align.wireframe import wireframe
 
 CAMERA = Camera(width=320, height=240, fx=420.0, fy=420.0, cx=163.0, cy=118.0)
 BENT = Camera(320, 240, 420.0, 420.0, 163.0, 118.0, distortion=(-0.2, 0.1, 0.001, -0.002, 0.0))
+FISHEYE = Camera(320, 240, 420.0, 420.0, 163.0, 118.0, (-0.02, 0.006, -0.004, 0.0008), "fisheye")
 POSE = Pose("cam", "target", quaternion.exp(np.array([0.5, -0.7, 0.3])), np.array([0.2, -0.1, 9.0]))
 TONES = (40, 90, 130, 170, 210, 240)
 FINER = 8
@@ -90,7 +92,7 @@ def test_the_hidden_corner_has_no_outline():
     assert np.linalg.norm(lines.points_m - hidden, axis=1).min() > 0.5  # m
 
 
-@pytest.mark.parametrize("camera", [CAMERA, BENT])
+@pytest.mark.parametrize("camera", [CAMERA, BENT, FISHEYE])
 @pytest.mark.parametrize("seed", range(4))
 def test_a_pose_that_is_off_is_laid_onto_the_image(camera, seed):
     rng = np.random.default_rng(seed)
@@ -102,6 +104,20 @@ def test_a_pose_that_is_off_is_laid_onto_the_image(camera, seed):
     assert after[2] < 0.05  # m
     assert after[3:].max() < 0.008  # rad
     assert np.linalg.norm(after) < 0.3 * np.linalg.norm(before)
+
+
+@pytest.mark.parametrize(("k", "sigma"), [(0, CalibrationSigma(0.02, 0.0)), (1, CalibrationSigma(0.0, 3.0))])
+def test_errors_of_the_calibration_move_the_pose_as_its_covariance_says(k, sigma):
+    assumed = replace(CAMERA, calibration_sigma=sigma)
+    seen = painted(POSE, assumed.erring(-np.eye(3)[k]))  # the assumed camera is larger by one standard deviation
+    found = align(seen, assumed, boxcraft(), prior_of(POSE, 0.3, 0.1))
+    exact = align(seen, CAMERA, boxcraft(), prior_of(POSE, 0.3, 0.1))
+    assert found is not None
+    assert exact is not None
+    said, moved_by = found.calibration_moves[:, k], difference(POSE, found.T_cam_target)
+    axis = (2, 0, 1)[k]  # the focal length is taken for distance, the principal point for a place across
+    assert moved_by[axis] == pytest.approx(said[axis], rel=0.2)
+    np.testing.assert_allclose(found.covariance - exact.covariance, found.calibration_moves @ found.calibration_moves.T)
 
 
 def test_the_covariance_is_symmetric_positive_and_covers_the_error():

@@ -2,15 +2,18 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.pose.solve.cases import CAMERA, FISH, SIX, many, random_pose, turn_between
+from tests.pose.solve.cases import BUBBLE, CAMERA, FISH, PRISM, SIX, many, random_pose, turn_between
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.calibration import CalibrationSigma
+from proxnav.geometry.perturbation import difference
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose
 
@@ -21,7 +24,7 @@ def assert_same_pose(T: Pose | None, T_true: Pose, metres: float = 1e-6, rad: fl
     assert turn_between(T, T_true) < rad
 
 
-@pytest.mark.parametrize("camera", [CAMERA, FISH])
+@pytest.mark.parametrize("camera", [CAMERA, FISH, PRISM, BUBBLE])
 @pytest.mark.parametrize("points", [SIX, many(24), many(200)])
 @given(seed=st.integers(0, 10_000))
 @settings(max_examples=25, deadline=None)
@@ -258,3 +261,31 @@ def test_solving_needs_no_torch() -> None:
 def test_configurations_without_meaning_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):
         PoseConfig(**wrong)  # pyright: ignore
+
+
+def test_covariances_stay_honest_when_the_camera_errs_by_what_is_declared() -> None:
+    """Mean squared error in units of the claimed covariance, 6 for honest ones; hundreds with nothing declared."""
+    camera = replace(CAMERA, calibration_sigma=CalibrationSigma(0.01, 5.0))
+    rng, told, silent = np.random.default_rng(5), [], []
+    noise = np.tile(np.eye(2), (len(many(24)), 1, 1))
+    for _ in range(120):
+        T = random_pose(rng, far_m=60.0)
+        pixels = camera.erring(rng.normal(size=3)).project(T @ many(24)) + rng.normal(size=(len(many(24)), 2))
+        for found, assumed in ((told, camera), (silent, CAMERA)):
+            result = estimate_pose(many(24), pixels, assumed, noise)
+            assert result.T_cam_target is not None
+            e = difference(result.T_cam_target, T)
+            found.append(e @ np.linalg.solve(result.covariance, e))
+    assert 4.8 < np.mean(told) < 7.2
+    assert np.mean(silent) > 50.0
+
+
+def test_poses_move_with_the_camera_as_the_linearisation_says() -> None:
+    camera = replace(CAMERA, calibration_sigma=CalibrationSigma(1e-4, 0.05))
+    T = Pose("cam", "target", quaternion.exp(np.array([0.4, -0.3, 0.8])), np.array([0.5, -0.3, 20.0]))
+    noise = np.tile(np.eye(2), (len(many(24)), 1, 1))
+    exact = estimate_pose(many(24), camera.project(T @ many(24)), camera, noise)
+    for k, errors in enumerate(np.eye(3)):
+        seen = camera.erring(-errors).project(T @ many(24))  # the assumed camera is larger by one standard deviation
+        moved = difference(T, estimate_pose(many(24), seen, CAMERA, noise).T_cam_target)
+        assert moved == pytest.approx(exact.calibration_moves[:, k], rel=0.02, abs=1e-6)

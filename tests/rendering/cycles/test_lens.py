@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.records import Window
 from proxnav.rendering.cycles import lens
 
 BARREL = Camera(320, 256, 450.0, 430.0, 164.1, 121.4, (-0.22, 0.2, 1e-3, -5e-4, 0.0))
+FISHEYE = Camera(320, 256, 450.0, 430.0, 164.1, 121.4, (-0.02, 0.006, -0.004, 0.0008), "fisheye")
 WINDOW = Window(30, 40, 200, 150)
 
 
@@ -19,12 +21,13 @@ def spot(view: Camera, xy: np.ndarray, sigma_px: float) -> np.ndarray:
     return np.repeat(light[..., None], 4, axis=-1).astype(np.float32)
 
 
+@pytest.mark.parametrize("camera", [BARREL, FISHEYE], ids=["barrel", "fisheye"])
 @pytest.mark.parametrize("pixel", [(50.3, 60.7), (130.0, 115.0), (210.9, 170.2)])
-def test_a_spot_arrives_where_the_camera_projects_it(pixel):
-    pinhole = lens.pinhole_for(BARREL, WINDOW, 2)
+def test_a_spot_arrives_where_the_camera_projects_it(pixel, camera):
+    pinhole = lens.pinhole_for(camera, WINDOW, 2)
     assert pinhole is not None
-    ray = BARREL.unproject(np.array(pixel))
-    image = lens.through_lens(spot(pinhole.camera, ray[:2], 4.0), pinhole, BARREL)[..., 0]
+    ray = camera.unproject(np.array(pixel))
+    image = lens.through_lens(spot(pinhole.camera, ray[:2], 4.0), pinhole, camera)[..., 0]
     at = lens.centres_px(WINDOW)
     centroid = (image[..., None] * at).sum(axis=(0, 1)) / image.sum()
     np.testing.assert_allclose(centroid, pixel, atol=0.01)  # px
@@ -46,6 +49,12 @@ def test_without_bending_the_pixels_are_boxes_again(oversampling, rng):
 def test_a_pinhole_camera_needs_no_other_picture():
     pinhole = lens.pinhole_for(BARREL.undistorted(), WINDOW, 2)
     assert pinhole == lens.Pinhole(BARREL.undistorted().cropped(30.0, 40.0, 200, 150), WINDOW, 1)
+
+
+def test_a_lens_too_wide_for_a_pinhole_picture_is_left_to_the_ray_caster():
+    wide = Camera(2000, 2000, 660.0, 660.0, 1000.0, 1000.0, (0.0,) * 4, "fisheye")
+    with pytest.raises(InputError, match=r"px for so wide a lens, .* --renderer raycast"):
+        lens.pinhole_for(wide, Window(0, 0, 2000, 2000), 2)
 
 
 def test_a_window_that_no_ray_reaches_needs_no_picture():

@@ -14,6 +14,11 @@ from proxnav.targets import Material
 
 CAMERA = Camera(200, 160, 300.0, 310.0, 97.0, 83.0)
 BENT = Camera(200, 160, 300.0, 310.0, 97.0, 83.0, (-0.22, 0.31, -0.0007, 0.0004, -0.1))
+RATIONAL = Camera(200, 160, 300.0, 310.0, 97.0, 83.0, (0.31, 0.02, 4e-4, -6e-4, 0.001, 0.66, 0.08, 0.003))
+FISHEYE = Camera(200, 160, 310.0, 312.0, 97.0, 83.0, (-0.02, 0.006, -0.004, 0.0008), "fisheye")
+CAMERAS = pytest.mark.parametrize(
+    "camera", [CAMERA, BENT, RATIONAL, FISHEYE], ids=["straight", "distorted", "rational", "fisheye"]
+)
 LAMP = Material(albedo=(0.0, 0.0, 0.0), ior=1.0, emission=(3.0, 2.0, 1.0))
 
 
@@ -32,7 +37,7 @@ def oblique(distance: float = 14.0) -> Pose:
     return Pose.from_wxyz("cam", "target", q, [0.2, 0.1, distance])
 
 
-@pytest.mark.parametrize("camera", [CAMERA, BENT], ids=["straight", "distorted"])
+@CAMERAS
 def test_rays_are_those_of_the_camera(camera: Camera, rng: np.random.Generator) -> None:
     places = rng.uniform((-3, -3), (203, 163), (500, 2))
     rays, origins, directions = np.empty((500, 3)), np.empty((500, 3), np.float32), np.empty((500, 3), np.float32)
@@ -40,7 +45,7 @@ def test_rays_are_those_of_the_camera(camera: Camera, rng: np.random.Generator) 
     np.testing.assert_allclose(rays, camera.unproject(places), atol=1e-9)
 
 
-@pytest.mark.parametrize("camera", [CAMERA, BENT], ids=["straight", "distorted"])
+@CAMERAS
 def test_depth_of_a_tilted_plane_is_its_closed_form(camera: Camera) -> None:
     pose = Pose.from_wxyz("cam", "target", quaternion.exp(np.array([0.4, -0.3, 0.1])), [0.1, -0.2, 100.0])
     frame = RaycastRenderer(target([plate(60.0)], [MATT])).render(scene(camera, pose=pose))
@@ -60,7 +65,7 @@ def test_mask_and_coverage_of_a_sphere_are_its_silhouette() -> None:
     assert solid_angle == pytest.approx(2.0 * np.pi * (1.0 - np.sqrt(1.0 - 0.1**2)), rel=2e-3)
 
 
-@pytest.mark.parametrize("camera", [CAMERA, BENT], ids=["straight", "distorted"])
+@CAMERAS
 def test_lamps_appear_where_the_camera_projects_them(camera: Camera, rng: np.random.Generator) -> None:
     centres = np.array([[x, y, rng.uniform(-1.0, 1.0)] for x in (-2.2, 0.3, 2.4) for y in (-1.8, 0.1, 1.9)])
     lamps = [trimesh.creation.icosphere(subdivisions=3, radius=0.06).apply_translation(c) for c in centres]
