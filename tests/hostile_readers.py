@@ -177,7 +177,8 @@ def _tensors(path: Path) -> None:
 
 READERS: dict[str, Reader] = {
     "trajectories": Reader(
-        ("craft.e", "craft.a", "craft.oem", "craft.aem", "report.txt", "table.csv"), _trajectory, _orbit_beside
+        ("craft.e", "craft.a", "craft.oem", "craft.aem", "craft.xml", "report.txt", "table.csv", "table.mat"),
+        _trajectory, _orbit_beside,
     ),
     "camera": Reader(("camera.json",), _camera),
     "labels": Reader(("labels.json", "annotations.json", "poses.json"), _labels),

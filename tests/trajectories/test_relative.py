@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from proxnav.errors import InputError, InputNote
+from proxnav.flight.truth_files import TrueStates, write_truth
 from proxnav.geometry.relative_motion import ric_from_eci
 from proxnav.records import Trajectory
 from proxnav.trajectories import OrbitConfig, ReaderConfig, read_trajectory
@@ -64,15 +65,12 @@ def test_columns_of_the_field_are_known_by_name_whatever_parts_them(tmp_path, he
 
 
 def test_our_own_truth_flies_again(tmp_path):
-    from proxnav.cli.main import main
-
-    out = tmp_path / "run"
-    assert (
-        main(["simulate", "--out", str(out), "--preset", "hold-30m", "--duration-s", "20", "--truth.step-s", "1"]) == 0
-    )
-    rho, _ = ric(read(out / "truth.csv"))
-    truth = np.loadtxt(out / "truth.csv", delimiter=",", skiprows=1)
-    assert rho == pytest.approx(truth[:, 1:4], abs=1e-5)
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (len(RHO), 1))
+    states = TrueStates(RHO[:, 0], RHO[:, 1:4], RHO[:, 4:], still, 1e-3 * RHO[:, 4:])
+    write_truth(tmp_path / "truth.csv", states)
+    rho, rate = ric(read(tmp_path / "truth.csv"))
+    assert rho == pytest.approx(states.r_ric_m, abs=1e-6)
+    assert rate == pytest.approx(states.v_ric_mps, abs=1e-9)
 
 
 def test_decimal_commas_are_points_and_thousands_are_refused(tmp_path):

@@ -13,7 +13,7 @@ from proxnav.geometry.pointing import phase_angle
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
-    """States at n instants in ECI (J2000/ICRF axes, Earth's centre); `target` is the body frame of the target model."""
+    """States at n instants in ECI (ICRF axes, Earth's centre); `target` is the body frame of the target model."""
 
     epoch_utc: str
     """ISO 8601 UTC instant of t = 0, for example 2024-11-01T00:00:00Z."""

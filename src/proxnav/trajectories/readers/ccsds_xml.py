@@ -59,7 +59,7 @@ def _section(path: str | Path, count: int, version: str, segment: Element, kind:
     metadata, data = segment.find("metadata"), segment.find("data")
     if metadata is None or data is None:
         fail(path, count, "this <segment> lacks <metadata> or <data>; the file is cut off")
-    section = MetaSection(count, version, {e.tag: (e.text or "").strip() for e in metadata.iter() if e is not metadata})
+    section = MetaSection(count, version, {e.tag: _text(e) for e in metadata.iter() if e is not metadata})
     section.covariances = len(data.findall("covarianceMatrix"))
     names = {"OEM": _STATE, "AEM": _QUATERNION}[kind]
     if kind == "AEM":
@@ -72,8 +72,12 @@ def _section(path: str | Path, count: int, version: str, segment: Element, kind:
     return section
 
 
+def _text(element: Element) -> str:
+    return " ".join((element.text or "").split())
+
+
 def _epoch(path: str | Path, row: int, record: Element) -> Instant:
-    text = (next(record.iter("EPOCH"), Element("")).text or "").strip()
+    text = _text(next(record.iter("EPOCH"), Element("")))
     try:
         return parse_epoch([text])
     except InputError:
@@ -90,7 +94,7 @@ def _numbers(path: str | Path, row: int, record: Element, names: tuple[str, ...]
         unit = element.get("units", "")
         if name in _UNITS and unit.lower() not in ("", _UNITS[name]):
             fail(path, row, f"{name} is in {unit}, the standard has {_UNITS[name]}; export in it")
-        found.append(number((element.text or "").strip(), path, row, f"a number in <{name}>"))
+        found.append(number(_text(element), path, row, f"a number in <{name}>"))
     if names != _STATE and len(found) != len(names):
         fail(path, row, f"no {', '.join(names)} in this attitude; export quaternions or Euler angles")
     return found

@@ -13,7 +13,7 @@ from proxnav.trajectories.readers.spice_kernels import is_kernel, read_kernels
 from proxnav.trajectories.readers.stk_attitude import read_stk_attitude
 from proxnav.trajectories.readers.stk_ephemeris import read_stk_ephemeris
 from proxnav.trajectories.readers.tabular import histories
-from proxnav.trajectories.readers.text import head_of, read_lines
+from proxnav.trajectories.readers.text import head_of, is_xml, read_lines
 from proxnav.trajectories.readers.text_table import is_report, read_csv, read_report
 
 
@@ -37,7 +37,7 @@ def _read(path: str | Path, config: ReaderConfig) -> list[History]:
         scalar_first = None if config.quaternion_order is None else config.quaternion_order == "wxyz"
         is_attitude = "begin attitude" in " ".join(head.split())
         return [read_stk_attitude(path, scalar_first) if is_attitude else read_stk_ephemeris(path)]
-    kinds = xml_kinds(path) if first.startswith("<") else _kvn_kinds(head)
+    kinds = xml_kinds(path) if is_xml(path) else _kvn_kinds(head)
     if kinds:
         orbits = list(read_oem(path)) if "OEM" in kinds else []
         return [*orbits, *(read_aem(path, config.quaternion_order) if "AEM" in kinds else ())]

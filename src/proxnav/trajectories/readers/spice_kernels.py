@@ -1,6 +1,7 @@
 """SPICE kernels (SPK orbits, CK attitudes) by NAIF's own library; times by ERFA, so no leap seconds kernel is needed.
 
-What an SPK holds is a function of time: it is sampled at `ReaderConfig.step_s`, or so that the span has `_SAMPLES`.
+What they hold are functions of time, sampled here so densely that interpolation between the samples is exact to a
+millimetre (orbits) and a step of a second (attitudes).
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,8 +21,8 @@ from proxnav.trajectories.time_systems import to_utc
 
 _BINARY = (b"DAF/SPK", b"DAF/CK", b"NAIF/DAF")
 _TEXT = b"KPL/"
-_SAMPLES = 1001
-_MOST_SAMPLES = 1_000_000
+_ORBIT_STEP_S, _ATTITUDE_STEP_S = 30.0, 1.0
+_MOST_SAMPLES = 300_000
 _J2000 = Instant(51544, 43_200.0)  # of TDB, which SPICE counts in
 _EARTH = "399"
 _ECI = ReferenceFrame("eci")  # SPICE calls the ICRF's axes J2000
@@ -74,7 +75,7 @@ def _orbit(spice: ModuleType, path: str | Path, body: int, config: ReaderConfig)
     pieces = [spice.wnfetd(cover, k) for k in range(spice.wncard(cover))]
     start = pieces[0][0]
     for first, last in pieces:
-        et = _instants(path, first, last, config)
+        et = _instants(path, first, last, min(config.step_s or _ORBIT_STEP_S, _ORBIT_STEP_S))
         states = np.array([spice.spkgeo(body, float(x), "J2000", int(_EARTH))[0] for x in et]) * 1e3
         segments.append(Segment(et - start, states[:, :3], states[:, 3:]))
     return OrbitHistory(_name(spice, body), str(path), _utc(start), _ECI, tuple(segments), "hermite", 4)
@@ -87,7 +88,7 @@ def _attitude(spice: ModuleType, path: str | Path, body: int, config: ReaderConf
     start = pieces[0][0]
     clock = spice.ckmeta(body, "SCLK")
     for first, last in pieces:
-        et = _instants(path, first, last, config)
+        et = _instants(path, first, last, min(config.step_s or _ATTITUDE_STEP_S, _ATTITUDE_STEP_S))
         turns = [spice.ckgp(body, spice.sce2c(clock, float(x)), 0.5, "J2000")[0] for x in et]  # reference to body
         q = quaternion.conjugate(quaternion.from_matrix(np.array(turns)))
         segments.append(Segment(et - start, q))
@@ -96,10 +97,13 @@ def _attitude(spice: ModuleType, path: str | Path, body: int, config: ReaderConf
     return AttitudeHistory(_name(spice, craft), str(path), _utc(start), _ECI, tuple(segments))
 
 
-def _instants(path: str | Path, first: float, last: float, config: ReaderConfig) -> Series:
-    count = _SAMPLES if config.step_s is None else int((last - first) / config.step_s) + 2
+def _instants(path: str | Path, first: float, last: float, step: float) -> Series:
+    count = int(np.ceil((last - first) / step)) + 1
     if count > _MOST_SAMPLES:
-        raise InputError(f"{path}: covers {last - first:.3g} s; say a larger --reader.step-s than {config.step_s:g}")
+        raise InputError(
+            f"{path}: covers {last - first:.3g} s, {count} steps of {step:g} s, of which {_MOST_SAMPLES} are "
+            "read at most; cut it shorter, or say a larger --reader.step-s where that is small"
+        )
     return np.linspace(first, last, max(count, 2))
 
 

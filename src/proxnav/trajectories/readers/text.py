@@ -53,7 +53,7 @@ def _refused_if_unreadable(path: str | Path) -> Iterator[None]:
 
 def is_xml(path: str | Path) -> bool:
     """Whether the first character of a text file opens an element."""
-    return next(line.strip() for line in read_lines(path) if line.strip()).startswith("<")
+    return head_of(path).removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"<")
 
 
 def fail(path: str | Path, line: int, message: str) -> NoReturn:
