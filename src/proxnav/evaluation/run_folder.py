@@ -2,6 +2,7 @@
 
 poses.json    estimates               metrics.json   headline numbers
 truth.json    true poses              overlays/      <best|median|worst>-NNNN.png, NNNN = place from best to worst
+mission.toml  optional, the mission that it belongs to
 config.json   optional, what was asked for and with which versions
 frames.json   optional, what each frame was and what the detector saw in it
 solution.csv  a navigation solution, alone or beside the rest
@@ -22,6 +23,8 @@ from proxnav.evaluation.solution_files import Solution, read_solution
 from proxnav.storage.files import read_json
 
 POSES, TRUTH, METRICS, CONFIG, OVERLAYS = "poses.json", "truth.json", "metrics.json", "config.json", "overlays"
+MISSION = "mission.toml"
+"""Name of the copy of its mission that a data set, run, flight or model carries."""
 FRAMES, SOLUTION = run_frames.NAME, solution_files.NAME
 
 _OVERLAY = re.compile(r"(best|median|worst)-(\d{1,9})\.png")

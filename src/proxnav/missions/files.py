@@ -8,6 +8,7 @@ from typing import Any
 import tomlkit
 
 from proxnav.errors import InputError
+from proxnav.evaluation.run_folder import MISSION
 from proxnav.missions.cameras import camera_table, mission_camera
 from proxnav.missions.mission import Flight, Lighting, Looks, Mission, TrainingRanges, ViewRanges
 from proxnav.missions.table import from_table, to_table
@@ -16,8 +17,6 @@ from proxnav.sensor.presets import SENSORS, sensor_by_name
 from proxnav.storage.files import write_atomic
 from proxnav.trajectories.readers.config import ReaderConfig
 
-MISSION = "mission.toml"
-"""Name of the copy that data sets, runs, flights and models carry."""
 SHIPPED = Path(__file__).parent / "shipped"
 _MOST_BYTES = 2**20
 _SECTIONS = {"view": ViewRanges, "light": Lighting, "looks": Looks, "flight": Flight, "training": TrainingRanges}

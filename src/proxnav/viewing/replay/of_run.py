@@ -1,5 +1,6 @@
 """A replay of any run folder: images with estimates (demo, benchmark table1), or a navigation solution."""
 
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from jaxtyping import Float, Int
 
 from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses
 from proxnav.errors import InputError
-from proxnav.evaluation.run_folder import CONFIG, POSES, SOLUTION, TRUTH
+from proxnav.evaluation.run_folder import CONFIG, MISSION, POSES, SOLUTION, TRUTH
 from proxnav.evaluation.run_frames import FrameNote, RunFrames, read_run_frames
 from proxnav.evaluation.solution_files import Solution, read_solution
 from proxnav.geometry import Camera, Pose, quaternion
@@ -173,7 +174,14 @@ def _nearest(times: Float[np.ndarray, "m"], t: Series) -> Int[np.ndarray, "n"]:
 
 
 def _target_of(folder: Path) -> str:
-    """The target that the records' configuration names; Space Rider where nothing says so."""
+    """The target that the records' mission names, or their configuration; Space Rider where nothing says so."""
+    if (folder / MISSION).is_file():
+        try:
+            return str(tomllib.loads((folder / MISSION).read_text("utf-8")).get("target", "space-rider"))
+        except ValueError as error:
+            raise InputError(
+                f"{folder / MISSION}: not readable as TOML ({error}); remove it to go on without"
+            ) from None
     path = folder / CONFIG
     content = read_json(path, "the configuration of a run") if path.is_file() else {}
     options = content.get("options") if isinstance(content, dict) else None
