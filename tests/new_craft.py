@@ -24,8 +24,9 @@ BLUE, BROWN = (24, 42, 110), (120, 78, 40)
 
 
 def cubesat_step(path: Path) -> Path:
-    """A bare 6U box, 226.3 x 100 x 366 mm with a corner at the origin: eight corners and nothing else."""
-    return write_step(path, [cuboid("bus", (0, 0, 0), (226.3, 100.0, 366.0), (0.55, 0.57, 0.6))])
+    """A bare 6U box, 226.3 x 100 x 366 mm with a corner at the origin: eight corners, sides of different colours."""
+    foil, cover, dark, cell = (0.8, 0.6, 0.3), (0.75, 0.75, 0.78), (0.25, 0.25, 0.27), (0.15, 0.2, 0.5)
+    return write_step(path, [cuboid("bus", (0, 0, 0), (226.3, 100.0, 366.0), (cell, dark, cell, foil, cover, dark))])
 
 
 def relay_glb(path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""Polyhedra as STEP AP214 files, written by hand: flat faces, one colour a solid, lengths in a unit of one's choice."""
+"""Polyhedra as STEP AP214 files, written by hand: flat coloured faces, lengths in a unit of one's choice."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,6 +35,9 @@ GLOBAL_UNIT_ASSIGNED_CONTEXT((#9,#10,#11)) REPRESENTATION_CONTEXT('',''));
 """
 
 
+Rgb = tuple[float, float, float]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Polyhedron:
     """A closed solid of flat faces."""
@@ -43,7 +46,8 @@ class Polyhedron:
     corners: Float[np.ndarray, "n 3"]
     faces: Sequence[tuple[int, ...]]
     """Corner indices, counter-clockwise seen from outside."""
-    rgb: tuple[float, float, float]
+    rgb: Rgb | Sequence[Rgb]
+    """One colour, or one for each face."""
 
 
 class _Lines:
@@ -59,8 +63,8 @@ class _Lines:
         return self.next - 1
 
 
-def cuboid(name: str, low: Sequence[float], high: Sequence[float], rgb: tuple[float, float, float]) -> Polyhedron:
-    """A box between two opposite corners."""
+def cuboid(name: str, low: Sequence[float], high: Sequence[float], rgb: Rgb | Sequence[Rgb]) -> Polyhedron:
+    """A box between two opposite corners; faces at -x, +x, -y, +y, -z, +z."""
     corner = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)], dtype=np.float64)
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return Polyhedron(name, np.asarray(low) + corner * (np.asarray(high) - np.asarray(low)), quads, rgb)
@@ -69,25 +73,30 @@ def cuboid(name: str, low: Sequence[float], high: Sequence[float], rgb: tuple[fl
 def write_step(path: Path, solids: Sequence[Polyhedron], prefix: str = ".MILLI.") -> Path:
     """The solids as one part; `prefix` is that of the metre: .MILLI., .CENTI. or $ for none."""
     lines = _Lines(18)
-    breps = [_solid(lines, solid) for solid in solids]
+    breps, styled = [], []
+    for solid in solids:
+        brep, faces = _solid(lines, solid)
+        breps.append(brep)
+        colours = dict(zip(faces, solid.rgb, strict=True)) if np.ndim(solid.rgb) == 2 else {brep: solid.rgb}
+        styled += [_styled(lines, item, colour) for item, colour in colours.items()]
     listed = ",".join(f"#{brep}" for brep in breps)
     shape = lines.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION('',(#17,{listed}),#13)")
     lines.add(f"SHAPE_DEFINITION_REPRESENTATION(#8,#{shape})")
-    styled = ",".join(f"#{_styled(lines, brep, solid.rgb)}" for brep, solid in zip(breps, solids, strict=True))
-    lines.add(f"MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',({styled}),#13)")
+    styles = ",".join(f"#{item}" for item in styled)
+    lines.add(f"MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',({styles}),#13)")
     body = _HEAD.format(name=path.stem, prefix=prefix) + "\n".join(lines.text)
     path.write_text(body + "\nENDSEC;\nEND-ISO-10303-21;\n")
     return path
 
 
-def _solid(lines: _Lines, solid: Polyhedron) -> int:
-    """A MANIFOLD_SOLID_BREP whose faces share their edges."""
+def _solid(lines: _Lines, solid: Polyhedron) -> tuple[int, list[int]]:
+    """(a MANIFOLD_SOLID_BREP whose faces share their edges, its faces)."""
     points = [lines.add(f"CARTESIAN_POINT('',{_triple(p)})") for p in solid.corners]
     vertices = [lines.add(f"VERTEX_POINT('',#{p})") for p in points]
     edges: dict[tuple[int, int], int] = {}
     faces = [_face(lines, solid, face, points, vertices, edges) for face in solid.faces]
     shell = lines.add(f"CLOSED_SHELL('',({','.join(f'#{f}' for f in faces)}))")
-    return lines.add(f"MANIFOLD_SOLID_BREP('{solid.name}',#{shell})")
+    return lines.add(f"MANIFOLD_SOLID_BREP('{solid.name}',#{shell})"), faces
 
 
 def _face(lines: _Lines, solid: Polyhedron, face: tuple[int, ...], points, vertices, edges) -> int:
@@ -112,7 +121,7 @@ def _face(lines: _Lines, solid: Polyhedron, face: tuple[int, ...], points, verti
     return lines.add(f"ADVANCED_FACE('',(#{bound}),#{plane},.T.)")
 
 
-def _styled(lines: _Lines, brep: int, rgb: tuple[float, float, float]) -> int:
+def _styled(lines: _Lines, item: int, rgb: Rgb) -> int:
     colour = lines.add(f"COLOUR_RGB('',{rgb[0]!r},{rgb[1]!r},{rgb[2]!r})")
     fill = lines.add(f"FILL_AREA_STYLE_COLOUR('',#{colour})")
     area = lines.add(f"FILL_AREA_STYLE('',(#{fill}))")
@@ -120,7 +129,7 @@ def _styled(lines: _Lines, brep: int, rgb: tuple[float, float, float]) -> int:
     side = lines.add(f"SURFACE_SIDE_STYLE('',(#{surface}))")
     usage = lines.add(f"SURFACE_STYLE_USAGE(.BOTH.,#{side})")
     style = lines.add(f"PRESENTATION_STYLE_ASSIGNMENT((#{usage}))")
-    return lines.add(f"STYLED_ITEM('color',(#{style}),#{brep})")
+    return lines.add(f"STYLED_ITEM('color',(#{style}),#{item})")
 
 
 def _triple(values) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -71,9 +72,7 @@ class Target:
         """Radius that tolerances are shares of: of the sphere that holds the mesh, about the frame's origin where that
         lies in the bounding box, about the box's middle where a CAD file has it elsewhere.
         """
-        low, high = self.vertices_m.min(axis=0), self.vertices_m.max(axis=0)
-        middle = np.where(((low <= 0) & (high >= 0)).all(), np.zeros(3), 0.5 * (low + high))
-        return float(np.linalg.norm(self.vertices_m - middle, axis=1).max())
+        return _size_m(self)
 
     @property
     def centre_of_mass_m(self) -> Vector3:
@@ -91,3 +90,11 @@ class Target:
         index = list(self.subsets[name])
         names = tuple(self.keypoint_names[i] for i in index)
         return replace(self, keypoints_m=self.keypoints_m[index], keypoint_names=names, subsets={})
+
+
+@lru_cache(maxsize=8)
+def _size_m(target: Target) -> float:
+    """Kept, because every look at keypoints asks for it and meshes may have a million vertices."""
+    low, high = target.vertices_m.min(axis=0), target.vertices_m.max(axis=0)
+    middle = np.where(((low <= 0) & (high >= 0)).all(), np.zeros(3), 0.5 * (low + high))
+    return float(np.linalg.norm(target.vertices_m - middle, axis=1).max())

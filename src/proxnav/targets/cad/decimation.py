@@ -3,6 +3,7 @@
 Quadric error metrics: M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -14,38 +15,39 @@ from scipy.spatial import KDTree
 from proxnav.targets.cad.image_tile import Picture
 from proxnav.targets.cad.mesh_part import MeshPart
 from proxnav.targets.cad.welding import welded
+from proxnav.targets.keypoints.visibility import embree_caster
+from proxnav.targets.surface.mapping import face_normals
 
-MOST_TRIANGLES = 150_000
-FINEST = 4
-"""How many times that number is spent where the bound asks for it."""
+MOST_TRIANGLES = 300_000
+MOST_PX = 0.5
+"""What the outline may move at the nearest range [px] without a word of warning."""
+AGGRESSIVENESS = 3.0
+"""How fast the tolerance of fast_simplification grows: its own choice of 7 tears meshes of millions of triangles."""
 MOST_PX = 0.25
 """What the outline may move at the nearest range [px] before more triangles are kept."""
-N_PROBES = 60_000
-N_SAMPLES = 600_000
+N_PROBES = 50_000
+N_WORST = 2000
+N_SAMPLES = 300_000
 Triangles = Float[np.ndarray, "_n corner=3 3"]
 
 
 def decimated(parts: Sequence[MeshPart], pixel_m: float, say: Callable[[str], None]) -> list[MeshPart]:
-    """The parts with at most MOST_TRIANGLES together, FINEST times as many where they would move by more than MOST_PX.
+    """The parts with at most MOST_TRIANGLES together, and a sentence about the largest distance between the surfaces.
 
-    `pixel_m` is what a pixel covers at the nearest range. The bound is the largest distance of points of either surface
-    from the other: no outline moves by more.
+    `pixel_m` is what a pixel covers at the nearest range. No outline moves by more than the surfaces do.
     """
     total = sum(len(part.faces) for part in parts)
     if total <= MOST_TRIANGLES:
         return list(parts)
-    most = MOST_TRIANGLES
-    while True:
-        say(f"decimating {total} triangles to {most}")
-        kept = [_fewer(part, most / total) for part in parts]
-        gap = surface_gap(_triangles(parts), _triangles(kept))
-        if gap <= MOST_PX * pixel_m or 2 * most > min(FINEST * MOST_TRIANGLES, total):
-            break
-        most *= 2
+    say(f"decimating {total} triangles to {MOST_TRIANGLES}")
+    kept = [_fewer(part, MOST_TRIANGLES / total) for part in parts]
+    say("measuring what that moves")
+    gap = surface_gap(_triangles(parts), _triangles(kept))
     count = sum(len(part.faces) for part in kept)
+    warning = "" if gap <= MOST_PX * pixel_m else "; decimate it in CAD where that matters"
     say(
         f"decimated {total} triangles to {count}: no surface moves by more than {1e3 * gap:.3g} mm "
-        f"({gap / pixel_m:.2g} px at the nearest range)"
+        f"({gap / pixel_m:.2g} px at the nearest range){warning}"
     )
     return kept
 
@@ -57,16 +59,26 @@ def surface_gap(a: Triangles, b: Triangles) -> float:
 
 
 def _one_way(probed: Triangles, other: Triangles, rng: np.random.Generator) -> float:
-    """Distances to the triangles of the samples that are nearest: never less than the true ones."""
-    from trimesh.triangles import closest_point
+    """Largest distance of points of one surface from another, never less than the true one.
 
-    probes = np.concatenate([_samples(probed, N_PROBES // 2, rng)[0], _corners(probed, N_PROBES // 2, rng)])
-    samples, owner = _samples(other, N_SAMPLES, rng)
-    near = np.asarray(KDTree(samples).query(probes, k=4)[1])
-    nearest = np.full(len(probes), np.inf)
-    for candidate in near.T:
-        point = closest_point(other[owner[candidate]], probes)
-        nearest = np.minimum(nearest, np.linalg.norm(point - probes, axis=1))
+    Every point of the other surface is at least as far as the nearest: rays both ways along the normal, and along the
+    axes and diagonals for the worst, find near ones, samples of the surface find one where no ray meets it.
+    """
+    samples, _ = _samples(other, N_SAMPLES, rng)
+    probes, of = _samples(probed, N_PROBES, rng)
+    probes[::2] = probed[of[::2], 0]  # corners, where surfaces depart most
+    nearest = KDTree(samples).query(probes)[0]
+    axes = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)])
+    normal = face_normals(probed[of].reshape(-1, 3), np.arange(3 * len(of)).reshape(-1, 3))
+    try:
+        cast = embree_caster(other.reshape(-1, 3), np.arange(3 * len(other)).reshape(-1, 3))
+    except ImportError:
+        return float(nearest.max())
+    for along in (normal, -normal):
+        nearest = np.minimum(nearest, cast(probes, along)[0])
+    worst = np.argsort(nearest)[-N_WORST:]  # the largest alone counts
+    for along in axes / np.linalg.norm(axes, axis=1, keepdims=True):
+        nearest[worst] = np.minimum(nearest[worst], cast(probes[worst], np.broadcast_to(along, (len(worst), 3)))[0])
     return float(nearest.max())
 
 
@@ -83,11 +95,6 @@ def _samples(
     return a[owner] + u * (b - a)[owner] + v * (c - a)[owner], owner
 
 
-def _corners(triangles: Triangles, count: int, rng: np.random.Generator) -> Float[np.ndarray, "k 3"]:
-    corners = triangles.reshape(-1, 3)
-    return corners[rng.integers(len(corners), size=count)]
-
-
 def _triangles(parts: Sequence[MeshPart]) -> Triangles:
     return np.concatenate([part.vertices[part.faces] for part in parts])
 
@@ -100,7 +107,7 @@ def _fewer(part: MeshPart, share: float) -> MeshPart:
     if part.picture is None:
         first, place = welded(part.vertices)
         points, faces = fast_simplification.simplify(
-            part.vertices[first], place[part.faces].astype(np.int32), target_count=count
+            part.vertices[first], place[part.faces].astype(np.int32), target_count=count, agg=AGGRESSIVENESS
         )[:2]
         return replace(part, vertices=np.asarray(points, np.float64), faces=np.asarray(faces, np.int64))
     return _fewer_with_picture(part, part.picture, count)
@@ -114,7 +121,7 @@ def _fewer_with_picture(part: MeshPart, picture: Picture, count: int) -> MeshPar
     _, first, vertex = np.unique(key, return_index=True, return_inverse=True)
     points, uv, faces = corners[first, :3], corners[first, 3:], vertex.reshape(-1, 3).astype(np.int32)
     *_, collapses = fast_simplification.simplify(
-        points, faces, target_count=count, return_collapses=True, preserve_border=True
+        points, faces, target_count=count, agg=AGGRESSIVENESS, return_collapses=True, preserve_border=True
     )
     new, kept, into = fast_simplification.replay_simplification(points, faces, collapses)
     weight = np.bincount(into, minlength=len(new))

@@ -33,7 +33,7 @@ class FileMesh:
 
     def box(self) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
         """(lowest, highest) coordinates of what is drawn."""
-        corners = [part.vertices[np.unique(part.faces)] for part in self.parts]
+        corners = [part.vertices[part.faces.ravel()] for part in self.parts]
         return np.min([c.min(axis=0) for c in corners], axis=0), np.max([c.max(axis=0) for c in corners], axis=0)
 
     def without(self, path: Path, names: Sequence[str]) -> "FileMesh":
