@@ -52,7 +52,7 @@ def _orbit_beside(folder: Path) -> None:
 def _camera(path: Path) -> None:
     from proxnav.geometry import Camera
 
-    camera = Camera.from_speed_json(path)
+    camera = Camera.read(path)
     camera.project(np.array([[0.1, 0.2, 5.0]]))
 
 
@@ -180,7 +180,7 @@ READERS: dict[str, Reader] = {
         ("craft.e", "craft.a", "craft.oem", "craft.aem", "craft.xml", "report.txt", "table.csv", "table.mat"),
         _trajectory, _orbit_beside,
     ),
-    "camera": Reader(("camera.json",), _camera),
+    "camera": Reader(("camera.json", "camera.yaml", "camera.xml", "camera.npz", "camera.mat"), _camera),
     "labels": Reader(("labels.json", "annotations.json", "poses.json"), _labels),
     "tables": Reader(("labels.csv", "submission.csv"), _labels),
     "dataset": Reader(("annotations.json", "scenes.jsonl", "target.json", "camera.json"), _dataset, _dataset_beside),

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from proxnav.errors import InputError, InputNote
+from proxnav.geometry import Camera
+from proxnav.geometry.calibration import CalibrationSigma
 from proxnav.missions import Mission, fly_mission, load_mission, write_mission
 from proxnav.missions.files import mission_toml, parse_mission, shipped_missions
 from proxnav.missions.flights import FLIGHTS
@@ -168,3 +170,29 @@ def test_a_mission_whose_files_are_gone_says_so(tmp_path: Path) -> None:
 def test_a_mission_is_a_value() -> None:
     assert isinstance(OBSERVATION, Mission)
     assert hash(OBSERVATION) == hash(load_mission("observation-10-100m"))
+
+
+def test_a_mission_takes_its_camera_from_a_calibration_file_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "info.yaml").write_text(
+        "width: 640\nheight: 480\nk: [600.0, 0, 319.5, 0, 601.0, 239.5, 0, 0, 1]\nd: [-0.02, 0.006, -0.004, 0.0008]\n"
+        "distortion_model: equidistant\n"
+    )
+    sigma = "calibration_sigma = {focal = 0.001, principal_px = 0.5}"
+    (tmp_path / "own.toml").write_text(f'name = "own"\n[camera]\nfile = "info.yaml"\nsensor = "speed-class"\n{sigma}\n')
+    mission = load_mission(tmp_path / "own.toml")
+    expected = Camera(640, 480, 600.0, 601.0, 320.0, 240.0, (-0.02, 0.006, -0.004, 0.0008), "fisheye")
+    assert mission.camera == replace(expected, calibration_sigma=CalibrationSigma(0.001, 0.5))
+    write_mission(tmp_path / "again.toml", mission)
+    assert load_mission(tmp_path / "again.toml") == mission
+
+
+def test_a_camera_file_stands_alone(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text('name = "own"\n[camera]\nfile = "info.yaml"\nfx = 600.0\n')
+    with pytest.raises(InputError, match="names a calibration file and stands alone, found also fx"):
+        load_mission(tmp_path / "own.toml")
+
+
+def test_a_camera_as_usual_is_written_as_it_always_was() -> None:
+    assert set(tomllib.loads(mission_toml(OBSERVATION))["camera"]) <= {
+        "width", "height", "fx", "fy", "cx", "cy", "distortion", "sensor",
+    }  # fmt: skip

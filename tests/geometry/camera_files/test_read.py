@@ -6,6 +6,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
@@ -191,3 +193,24 @@ def test_files_of_other_kinds_are_refused(tmp_path):
         read_camera_file(tmp_path / "K.npz")
     with pytest.raises(InputError, match=r"nowhere\.yaml: no such file"):
         read_camera_file("nowhere.yaml")
+
+
+@pytest.mark.parametrize("path", sorted(FILES.iterdir()), ids=lambda path: path.name)
+def test_a_damaged_file_is_a_camera_or_one_sentence(path, tmp_path):
+    whole = path.read_bytes()
+
+    @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+    @given(st.data())
+    def check(data):
+        damaged = bytearray(whole)
+        for _ in range(data.draw(st.integers(1, 4))):
+            damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+        (tmp_path / "damaged").write_bytes(damaged[: data.draw(st.integers(0, len(damaged)))])
+        refusal = ""
+        try:
+            read_camera_file(tmp_path / "damaged").camera.project(np.array([0.1, 0.2, 5.0]))
+        except InputError as error:
+            refusal = str(error)
+        assert "\n" not in refusal
+
+    check()

@@ -100,14 +100,14 @@ def _yaml(text: str) -> Any:
     import yaml
 
     class Loader(yaml.SafeLoader):
-        """With OpenCV's matrices as mappings."""
+        """Plain values only, with OpenCV's matrices as mappings."""
 
-    def matrix(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Any, Any]:
-        return loader.construct_mapping(node, deep=True)
+    def matrix(loader: yaml.SafeLoader, node: yaml.Node) -> dict[Any, Any]:
+        return loader.construct_mapping(node, deep=True)  # pyright: ignore[reportArgumentType] - refuses other nodes
 
-    Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", matrix)  # pyright: ignore[reportArgumentType]
+    Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", matrix)
     lines = [line for line in text.splitlines() if not line.startswith("%")]
     try:
-        return yaml.load("\n".join(lines), Loader)
+        return Loader("\n".join(lines)).get_single_data()
     except yaml.YAMLError as error:
         raise ValueError(" ".join(str(error).split())) from None
