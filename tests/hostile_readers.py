@@ -50,10 +50,9 @@ def _orbit_beside(folder: Path) -> None:
 
 
 def _camera(path: Path) -> None:
-    from proxnav.geometry import Camera
+    from proxnav.geometry.camera_files import read_camera_file
 
-    camera = Camera.read(path)
-    camera.project(np.array([[0.1, 0.2, 5.0]]))
+    read_camera_file(path).camera.project(np.array([[0.1, 0.2, 5.0]]))
 
 
 def _labels(path: Path) -> None:

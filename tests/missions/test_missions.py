@@ -179,7 +179,8 @@ def test_a_mission_takes_its_camera_from_a_calibration_file_beside_it(tmp_path: 
     )
     sigma = "calibration_sigma = {focal = 0.001, principal_px = 0.5}"
     (tmp_path / "own.toml").write_text(f'name = "own"\n[camera]\nfile = "info.yaml"\nsensor = "speed-class"\n{sigma}\n')
-    mission = load_mission(tmp_path / "own.toml")
+    with pytest.warns(InputNote, match="principal point converted from pixel centres"):
+        mission = load_mission(tmp_path / "own.toml")
     expected = Camera(640, 480, 600.0, 601.0, 320.0, 240.0, (-0.02, 0.006, -0.004, 0.0008), "fisheye")
     assert mission.camera == replace(expected, calibration_sigma=CalibrationSigma(0.001, 0.5))
     write_mission(tmp_path / "again.toml", mission)

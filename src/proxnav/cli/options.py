@@ -12,7 +12,6 @@ from proxnav.cluster.jobs import POOL, check_workers
 from proxnav.detection.sessions import Backend
 from proxnav.geometry import Camera
 from proxnav.geometry.calibration import EXACT, CalibrationSigma
-from proxnav.geometry.camera_files import read_camera_file
 from proxnav.missions import Mission, load_mission
 from proxnav.storage.files import write_json
 from proxnav.trajectories.readers.config import ReaderConfig
@@ -32,14 +31,6 @@ class WorkerOptions:
         check_workers(self.workers, self.on)
 
 
-def camera_from(path: Path) -> Camera:
-    """The camera of a calibration file; prints what was converted or assumed."""
-    found = read_camera_file(path)
-    for note in found.notes:
-        print(f"{path}: {note}")
-    return found.camera
-
-
 @dataclass(frozen=True, kw_only=True)
 class CalibrationOptions:
     """What is not known about the camera."""
@@ -48,8 +39,8 @@ class CalibrationOptions:
     """Goes into every covariance; that of the camera's file when not given."""
 
     def camera_from(self, path: Path) -> Camera:
-        """The camera of a calibration file; prints what was converted or assumed."""
-        return self.calibrated(camera_from(path))
+        """The camera of a calibration file."""
+        return self.calibrated(Camera.read(path))
 
     def calibrated(self, camera: Camera) -> Camera:
         """A camera with the errors that the options name, where they name any."""

@@ -49,11 +49,11 @@ class ConvertConfig:
 
 def run(config: ConvertConfig) -> None:
     """Converts, and says what was written and what the format could not hold."""
-    from proxnav.cli.options import camera_from
     from proxnav.datasets import conversion
     from proxnav.datasets.formats import ReadOptions, WriteOptions
     from proxnav.datasets.shards import is_sharded
     from proxnav.errors import InputError
+    from proxnav.geometry import Camera
     from proxnav.targets.named_points import target_or_points
     from proxnav.trajectories.conversion import FORMATS, convert_trajectory, is_trajectory
 
@@ -69,7 +69,7 @@ def run(config: ConvertConfig) -> None:
     elif is_trajectory(config.source):
         raise InputError(f"{source}: trajectories are written --to {', '.join(FORMATS)}, not {config.to}")
     else:
-        camera = None if config.camera is None else camera_from(config.camera)
+        camera = None if config.camera is None else Camera.read(config.camera)
         mesh, points, names = (None, None, ()) if config.target is None else target_or_points(config.target)
         read = ReadOptions(camera, points, names, config.quaternion_order, config.pixel_origin, config.object_id)
         write = WriteOptions(config.images, config.split, config.validation_share, mesh)

@@ -3,6 +3,7 @@
 Axes: x right, y down, z forward. Image: [0, width] x [0, height], the first pixel's centre is (0.5, 0.5).
 """
 
+import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.geometry import distortion as pinhole
 from proxnav.geometry import fisheye
 from proxnav.geometry.calibration import EXACT, CalibrationSigma
@@ -62,11 +63,14 @@ class Camera:
         """The camera of any calibration file: OpenCV, ROS, Kalibr, MATLAB, npz, SPEED+ or plain numbers.
 
         Which it is shows in its content; `FILE#cam1` names one of several cameras. Pixels are converted to corner
-        origin. `proxnav.geometry.camera_files.read_camera_file` also says what was converted or assumed.
+        origin; what was converted or assumed is said by an `InputNote`, a warning.
         """
         from proxnav.geometry.camera_files import read_camera_file
 
-        return read_camera_file(path).camera
+        found = read_camera_file(path)
+        for note in found.notes:
+            warnings.warn(f"{path}: {note}", InputNote, stacklevel=2)
+        return found.camera
 
     @staticmethod
     def from_speed_json(path: str | Path) -> "Camera":

@@ -7,7 +7,6 @@ from typing import Any
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.calibration import EXACT, CalibrationSigma
-from proxnav.geometry.camera_files import read_camera_file
 from proxnav.missions.table import from_table, to_table
 
 _FILE, _SIGMA = "file", "calibration_sigma"
@@ -22,7 +21,7 @@ def mission_camera(table: dict[str, Any], where: str, folder: Path) -> Camera:
         return from_table(Camera, numbers, where, known={_SIGMA: sigma})
     if numbers or not isinstance(file, str):
         raise InputError(f"{where}: {_FILE} names a calibration file and stands alone, found also {', '.join(numbers)}")
-    camera = read_camera_file(folder / file).camera
+    camera = Camera.read(folder / file)
     return camera if sigma == EXACT else replace(camera, calibration_sigma=sigma)
 
 

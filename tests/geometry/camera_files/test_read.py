@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.geometry import Camera
 from proxnav.geometry.camera_files import read_camera_file
 
@@ -42,7 +42,7 @@ FISHEYE = (-0.02, 0.006, -0.004, 0.0008)
     ],
 )
 def test_a_file_projects_as_the_library_that_wrote_it(name, matrix, k, rng):
-    camera = Camera.read(FILES / name)
+    camera = read_camera_file(FILES / name).camera
     assert (camera.width, camera.height) == (2448, 2048)
     points = rng.uniform([-0.3, -0.3, 1.0], [0.3, 0.3, 1.2], (200, 3)) * rng.uniform(1.0, 50.0, (200, 1))
     if k is FISHEYE:
@@ -64,6 +64,11 @@ def test_the_origin_of_pixels_is_said():
     assert read_camera_file(FILES / "speedplus.json").notes == ()
 
 
+def test_a_camera_that_is_read_says_so_with_the_file():
+    with pytest.warns(InputNote, match=r"opencv\.xml: principal point converted from pixel centres"):
+        assert Camera.read(FILES / "opencv.xml").cx == 1224.0
+
+
 def test_speed_plus_files_keep_their_origin():
     assert Camera.read(FILES / "speedplus.json") == Camera.from_speed_json(FILES / "speedplus.json")
 
@@ -82,7 +87,7 @@ def test_a_ros_message_is_the_camera_of_the_region_that_is_delivered_and_binned(
 def test_binning_that_does_not_divide_the_image_keeps_the_scale_of_a_bin(tmp_path):
     text = (FILES / "ros_camera_info.yaml").read_text() + "binning_x: 3\nbinning_y: 3\n"
     (tmp_path / "info.yaml").write_text(text)
-    camera = Camera.read(tmp_path / "info.yaml")
+    camera = read_camera_file(tmp_path / "info.yaml").camera
     assert (camera.width, camera.height) == (816, 682)
     assert camera.fy == pytest.approx(3102.0 / 3.0)
 
