@@ -188,3 +188,38 @@ def test_a_bop_mesh_is_in_millimetres(dataset: Path, tmp_path: Path) -> None:
     assert main(argv) == 0
     mesh = trimesh.load_mesh(tmp_path / "bop" / "models" / "obj_000001.ply")
     np.testing.assert_allclose(mesh.extents, [3000.0, 2000.0, 1200.0])
+
+
+DATA = Path(__file__).parents[1] / "data" / "trajectories"
+
+
+@pytest.mark.parametrize(("to", "names"), [("stk", ("target.e", "chaser.e")), ("ccsds", ("target.oem", "chaser.oem"))])
+def test_a_flight_in_a_hill_frame_becomes_two_orbits_of_the_same_distance(
+    to: str, names: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    elements = "alt=500km e=0.002 i=97.4 raan=20 argp=10 nu=30"
+    argv = ["convert", str(DATA / "lvlh_vbar.csv"), "--to", to, "--out", str(tmp_path / "out")]
+    assert main([*argv, "--reader.target-elements", elements]) == 0
+    said = capsys.readouterr()
+    assert said.err.count("proxnav convert: note: ") == 1
+    assert f"whose orbit is {elements}" in said.err
+    assert f"30 instants from 2024-11-01T00:00:00Z in {tmp_path / 'out'}: {', '.join(names)}" in said.out
+    back = read_trajectory([tmp_path / "out" / name for name in names])
+    rho = np.loadtxt(DATA / "lvlh_vbar.csv", delimiter=",", skiprows=1)[:, 1:]
+    np.testing.assert_allclose(back.range_m, np.linalg.norm(rho, axis=1), rtol=0, atol=1e-6)
+
+
+def test_attitudes_of_aem_2_are_written_as_they_were_read(tmp_path: Path) -> None:
+    files = [str(DATA / name) for name in ("ok.oem", "chaser.oem", "v2.aem")]
+    assert main(["convert", *files, "--to", "ccsds", "--out", str(tmp_path / "out")]) == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["chaser.oem", "target.aem", "target.oem"]
+    before = read_trajectory(files)
+    after = read_trajectory([tmp_path / "out" / name for name in ("target.oem", "chaser.oem", "target.aem")])
+    same = np.abs(np.einsum("ni,ni->n", before.q_eci_target, after.q_eci_target))
+    np.testing.assert_allclose(same, 1.0, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(after.r_eci_chaser_m, before.r_eci_chaser_m, rtol=0, atol=1e-5)
+
+
+def test_the_former_spelling_of_the_readers_options_says_the_present_one(capsys: pytest.CaptureFixture) -> None:
+    assert main(["convert", "x.csv", "--to", "stk", "--out", "out", "--flight.frame", "RIC"]) == 1
+    assert "--flight is now --reader" in sentence(capsys)

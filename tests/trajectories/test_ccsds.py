@@ -161,7 +161,7 @@ def test_every_spelling_of_one_attitude_reads_the_same(tmp_path, changes):
 
 def test_the_place_of_the_scalar_is_demanded_where_version_one_leaves_it_open(tmp_path):
     path = write(tmp_path, AEM.replace("QUATERNION_TYPE = LAST\n", ""))
-    with pytest.raises(InputError, match=r"line 4: QUATERNION_TYPE is missing.* quaternion_order"):
+    with pytest.raises(InputError, match=r"line 4: QUATERNION_TYPE is missing.* --reader.quaternion-order"):
         read_aem(path)
     assert quaternion.angle_between(q_of(path, order="xyzw"), SIXTY) < 1e-9
 

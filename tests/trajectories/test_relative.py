@@ -123,6 +123,19 @@ def test_what_is_left_open_or_contradicts_itself_is_one_sentence_that_can_be_fol
     assert "\n" not in str(error.value)
 
 
+def test_positions_of_the_chaser_that_are_given_twice_are_refused():
+    files = [DATA / name for name in ("ok.oem", "chaser.oem", "lvlh_vbar.csv")]
+    with pytest.raises(
+        InputError, match=r"given more than once, by lvlh_vbar of .*, CHASER of .*chaser\.oem; name one"
+    ):
+        read_trajectory(files, ReaderConfig(epoch_utc="2026-01-01T00:00:00Z"))
+    two = [DATA / "lvlh_vbar.csv", DATA / "lvlh_ric4.csv"]
+    with pytest.raises(InputError, match=r"given more than once, by lvlh_vbar of .*, lvlh_ric4 of"):
+        read_trajectory(two)
+    with pytest.warns(InputNote, match=r"lvlh_ric4\.csv: read as RIC"):
+        assert ric(read_trajectory(two, ReaderConfig(chaser="lvlh_ric4")))[0] == pytest.approx(RHO[:, 1:4], abs=1e-6)
+
+
 def test_the_note_says_axes_unit_distance_and_orbit():
     with pytest.warns(InputNote) as notes:
         read_trajectory([DATA / "ml_semicolon.csv"])

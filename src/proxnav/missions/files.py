@@ -73,7 +73,7 @@ def mission_toml(mission: Mission) -> str:
     table["camera"] = camera_table(mission.camera) | {_SENSOR_KEY: sensor.name}
     table["sensor"] = to_table(mission.sensor, than=sensor)
     table["flight"] = to_table(mission.flight, than=Flight())
-    if mission.flight.files:
+    if "reader" in table["flight"]:
         table["flight"]["reader"] = to_table(mission.flight.reader, than=ReaderConfig())
     return tomlkit.dumps({key: value for key, value in table.items() if value != {}})
 

@@ -54,8 +54,12 @@ def read_trajectory(
     if not orbits:
         raise InputError(f"{_names(paths)}: attitudes but no positions; give the file with the target's orbit as well")
     attitudes = [history for history in found if isinstance(history, AttitudeHistory)]
-    target, chaser = _roles([h for h in orbits if h.frame.kind != "ric"], config)
-    relative = next((h for h in orbits if h.frame.kind == "ric"), None)
+    hill = [history for history in orbits if history.frame.kind == "ric"]
+    named = [history for history in hill if config.chaser in (history.name, Path(history.source).stem)]
+    target, chaser = _roles(
+        [history for history in orbits if history not in hill], config.target, "" if named else config.chaser
+    )
+    relative = _only(named or hill, chaser)
     attitude_target, attitude_chaser = _attitude_roles(attitudes, target, chaser, config)
     attitude_chaser = attitude_chaser if config.q_chaser_cam is not None else None
     used = [h for h in (target, relative or chaser, attitude_target, attitude_chaser) if h is not None]
@@ -80,22 +84,33 @@ def read_trajectory(
     )
 
 
-def _roles(orbits: list[OrbitHistory], config: ReaderConfig) -> tuple[OrbitHistory | None, OrbitHistory | None]:
+def _roles(
+    orbits: list[OrbitHistory], target_name: str, chaser_name: str
+) -> tuple[OrbitHistory | None, OrbitHistory | None]:
     """(target, chaser)."""
-    target = _named(orbits, config.target)
-    chaser = _named(orbits, config.chaser)
+    target, chaser = _named(orbits, target_name), _named(orbits, chaser_name)
     rest = [history for history in orbits if history is not target and history is not chaser]
     # Basilisk's two-craft tables put the servicer first.
     if target is None and chaser is None and [h.name for h in rest[:2]] == ["1", "2"]:
         rest = [rest[1], rest[0], *rest[2:]]
     if len(rest) + (target is not None) + (chaser is not None) > 2:
         names = ", ".join(history.name for history in orbits)
-        raise InputError(f"{_names([h.source for h in orbits])}: objects {names}; say which is target and chaser")
+        raise InputError(
+            f"{_names([h.source for h in orbits])}: objects {names}; name two by --reader.target and --reader.chaser"
+        )
     if target is None and rest:
         target = rest.pop(0)
     if chaser is None and rest:
         chaser = rest.pop(0)
     return target, chaser
+
+
+def _only(relative: list[OrbitHistory], chaser: OrbitHistory | None) -> OrbitHistory | None:
+    """The chaser's positions relative to the target; InputError where several files or objects give its positions."""
+    if len(relative) + (chaser is not None and bool(relative)) > 1:
+        said = ", ".join(f"{h.name} of {h.source}" for h in [*relative, *([chaser] if chaser else [])])
+        raise InputError(f"the chaser's positions are given more than once, by {said}; name one by --reader.chaser")
+    return relative[0] if relative else None
 
 
 def _attitude_roles(
@@ -124,7 +139,7 @@ def _named(options: list[Kind], name: str) -> Kind | None:
         if name in (history.name, Path(history.source).stem):
             return history
     names = ", ".join(history.name for history in options)
-    raise InputError(f"no object '{name}' in the files, only {names}; correct the option target or chaser")
+    raise InputError(f"no object '{name}' in the files, only {names}; correct --reader.target or --reader.chaser")
 
 
 def _instants(used: list[History], epoch: Instant, config: ReaderConfig) -> Times:
@@ -134,13 +149,17 @@ def _instants(used: list[History], epoch: Instant, config: ReaderConfig) -> Time
     last = last if config.stop_s is None else config.stop_s
     if first > last:
         sources = _names([history.source for history in used])
-        raise InputError(f"{sources}: the files share no time, or start_s is after stop_s; check their epochs")
+        raise InputError(
+            f"{sources}: the files share no time, or --reader.start-s is after --reader.stop-s; check their epochs"
+        )
     if config.step_s is not None:
         return first + time_grid(last - first, config.step_s)
     own = np.unique(np.concatenate([segment.t for segment in used[0].segments])) + (used[0].epoch - epoch)
     inside = own[(own >= first - 1e-6) & (own <= last + 1e-6)]
     if inside.size == 0:
-        raise InputError(f"{used[0].source}: no instant between {first:g} s and {last:g} s; give step_s to resample")
+        raise InputError(
+            f"{used[0].source}: no instant between {first:g} s and {last:g} s; resample with --reader.step-s"
+        )
     return inside
 
 
@@ -183,7 +202,7 @@ def _check_orbit(r_eci_m: Float[np.ndarray, "n 3"], v_eci_mps: Float[np.ndarray,
         where = "inside Earth" if least < EARTH_POLAR_RADIUS else "beyond any orbit about Earth"
         raise InputError(
             f"{source}: the orbit runs from {least / 1e3:.6g} km to {most / 1e3:.6g} km from Earth's centre, {where}: "
-            "check the unit of length (DistanceUnit, column headers or position_unit) and the frame"
+            "check the unit of length (DistanceUnit, column headers or --reader.position-unit) and the frame"
         )
     areal = np.linalg.norm(np.cross(r_eci_m, v_eci_mps), axis=1) / radius
     if not (np.isfinite(areal).all() and areal.min() > _SLOWEST_MPS):

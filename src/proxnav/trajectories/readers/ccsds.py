@@ -114,7 +114,7 @@ def _scalar_first(path: str | Path, section: MetaSection, order: QuaternionOrder
     if order is not None:
         return order == "wxyz"
     if section.version.startswith("1"):
-        fail(path, section.line, "QUATERNION_TYPE is missing; add it, or say quaternion_order wxyz or xyzw")
+        fail(path, section.line, "QUATERNION_TYPE is missing; add it, or say --reader.quaternion-order wxyz or xyzw")
     return False  # version 2: always last
 
 
