@@ -54,6 +54,8 @@ def write_card(folder: Path, card: ModelCard) -> None:
     }
     if isinstance(card.settings, HeatmapSettings) and card.settings.passes != HeatmapSettings.passes:
         content["looks"] = card.settings.passes
+    if isinstance(card.settings, HeatmapSettings) and card.settings.turns != HeatmapSettings.turns:
+        content["turns"] = card.settings.turns
     if card.network is not None:
         content["network"] = {"n_keypoints": len(card.keypoint_names)} | asdict(card.network)
     if card.alignment is not None:
@@ -94,8 +96,9 @@ def _not_a_card(folder: Path) -> InputError:
 
 
 def _heatmap(content: dict[str, Any]) -> HeatmapSettings:
-    """The heat-map detector's settings; its passes stand beside them in the file, as `looks`."""
-    return HeatmapSettings(**content["settings"], passes=int(content.get("looks", HeatmapSettings.passes)))
+    """The heat-map detector's settings; its passes and turns stand beside them in the file, as `looks` and `turns`."""
+    passes, turns = (int(content.get(key, usual)) for key, usual in (("looks", HeatmapSettings.passes), ("turns", 1)))
+    return HeatmapSettings(**content["settings"], passes=passes, turns=turns)
 
 
 def _rcnn(settings: dict[str, Any]) -> DetectConfig:
@@ -105,6 +108,7 @@ def _rcnn(settings: dict[str, Any]) -> DetectConfig:
 def _settings_json(settings: HeatmapSettings | DetectConfig) -> dict[str, Any]:
     content = asdict(settings)
     passes = content.pop("passes")
+    content.pop("turns", None)
     if isinstance(settings, HeatmapSettings):
         return content
     return {"min_score": content["min_score"], "looks": passes, "calibration": content["calibration"]}

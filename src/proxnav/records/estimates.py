@@ -40,6 +40,11 @@ class Keypoints:
         found = self.scores[self.scores > 0.0]
         return float(np.median(found)) if found.size else 0.0
 
+    @property
+    def lower_quartile_score(self) -> float:
+        """Score that three quarters of all keypoints exceed, those not found counting as 0."""
+        return float(np.percentile(self.scores, 25.0))
+
     @staticmethod
     def none(status: DetectionStatus, n_keypoints: int) -> "Keypoints":
         """No keypoints, and why."""

@@ -31,6 +31,8 @@ class HeatmapSettings:
     """Factor on the standard deviations of keypoints, from calibration on validation frames."""
     passes: int = 2
     """2 crops once more where the pose of the first crop puts the target."""
+    turns: int = 1
+    """4 reads a crop turned by quarters too and takes the surest look: for networks that learnt little roll."""
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,17 @@
 """Full frame in, keypoints with covariances out: find, crop, read. Needs no torch."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.detection.heatmap.config import HeatmapSettings
 from proxnav.detection.heatmap.patch import brightest_patches
 from proxnav.detection.sessions import Session
 from proxnav.geometry.types import Box, GreyImage, Image
 from proxnav.images.crop import Crop, cut
+from proxnav.images.quarter_turns import turned, turned_back
 from proxnav.images.tones import grey_8_bit, is_blank
 from proxnav.records import Keypoints
 
@@ -49,7 +52,7 @@ class HeatmapDetector:
     def detect_in(self, image: Image, box_xyxy: Box) -> Keypoints:
         """Keypoints in a crop round a box [px]: that of a first pose, or of a filter's prediction."""
         grey = grey_8_bit(image)
-        return self._blank() if is_blank(grey) else self._read_crop(grey, box_xyxy, _MARGIN)
+        return self._blank() if is_blank(grey) else self._surest_turn(grey, box_xyxy, _MARGIN)
 
     def _blank(self) -> Keypoints:
         return Keypoints.none("bad_image", self.n_keypoints)
@@ -67,22 +70,39 @@ class HeatmapDetector:
         crops = [(box, margin) for margin in (_SEARCH_MARGIN, _SEARCH_MARGIN * _CLOSER) for box in boxes]
         crops += [(box, _SEARCH_MARGIN * _WIDER) for box in boxes[:1]]
         for box, margin in crops:
-            found = self._read_crop(grey, box, margin)
+            found = self._surest_turn(grey, box, margin)
             if found.median_score > best.median_score:
                 best = found
             if best.median_score >= _SURE:
                 break
         return best
 
-    def _read_crop(self, grey: GreyImage, box: Box, margin: float) -> Keypoints:
-        """Keypoints that the network reads in one crop round the box."""
+    def _surest_turn(self, grey: GreyImage, box: Box, margin: float) -> Keypoints:
+        """Keypoints of one crop, of the surest of its turns by quarters where the settings ask for them.
+
+        A network that knows little roll can be sure and wrong in a crop that lies on its side: all turns are read.
+        """
         crop, side = Crop.around(box, margin), self.settings.crop_side
-        points, scores, covariances, shown = self.read(cut(grey, crop, side)[None])
-        if shown[0] < _MIN_SHOWN:
+        square = cut(grey, crop, side)
+        answers = self.read(np.stack([turned(square, quarters) for quarters in range(self.settings.turns)]))
+        looks = [
+            self._keypoints(crop, box, quarters, *(answer[quarters] for answer in answers))
+            for quarters in range(self.settings.turns)
+        ]
+        return max(looks, key=lambda look: look.lower_quartile_score)
+
+    def _keypoints(
+        self, crop: Crop, box: Box, quarters: int, points: Float[np.ndarray, "n 2"],
+        scores: Float[np.ndarray, "n"], covariances: Float[np.ndarray, "n 2 2"], shown: Any,
+    ) -> Keypoints:  # fmt: skip
+        """What the network said of a crop turned by so many right angles, in the image."""
+        if shown < _MIN_SHOWN:
             return Keypoints.none("no_target", self.n_keypoints)
-        found = (scores[0] >= MIN_SCORE)[:, None]
-        pixels = np.where(found, crop.to_image(points[0].astype(np.float64), side), np.nan)
-        spread = covariances[0].astype(np.float64) * self.settings.spread_scale**2
-        spread *= (crop.size / side) ** 2
-        scores = np.where(found[:, 0], np.clip(scores[0].astype(np.float64), 0.0, 1.0), 0.0)
+        side, found = self.settings.crop_side, scores >= MIN_SCORE
+        there, spread = points.astype(np.float64), covariances.astype(np.float64) * self.settings.spread_scale**2
+        if quarters:
+            there, spread = turned_back(there, spread, side, quarters)
+        pixels = np.where(found[:, None], crop.to_image(there, side), np.nan)
+        spread = spread * (crop.size / side) ** 2
+        scores = np.where(found, np.clip(scores.astype(np.float64), 0.0, 1.0), 0.0)
         return Keypoints("ok", pixels, spread, scores, box)
