@@ -3,7 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from proxnav.errors import InputError
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 from proxnav.missions.views import NEAREST_M, accepted_views
@@ -38,3 +40,17 @@ def test_the_hull_is_outside_where_a_point_is_and_inside_at_the_origin() -> None
     hull = Hull.of(load_target("space-rider"))
     assert hull.distance_m(np.zeros(3)) < 0.0
     assert hull.distance_m(np.array([0.0, 0.0, 50.0])) > 40.0
+
+
+def test_the_way_to_a_port_lies_in_its_cone() -> None:
+    docking = load_mission("docking-2-30m")
+    T_port_target = load_target("space-rider").frames["docking_port"].inverse()
+    for scene in draw_scenes(docking, 20, seed=5):
+        x, y, z = T_port_target @ scene.T_cam_target.inverse().t_m
+        assert np.degrees(np.arctan2(np.hypot(y, z), x)) <= docking.view.cone_deg
+
+
+def test_a_port_that_the_target_does_not_have_is_named_with_those_it_has() -> None:
+    elsewhere = replace(MISSION, view=replace(MISSION.view, port="berth"))
+    with pytest.raises(InputError, match="no frame 'berth', only docking_port"):
+        draw_scenes(elsewhere, 1, seed=0)

@@ -38,6 +38,10 @@ class ViewRanges:
     """Share of frames in which the edge of the picture may cut the target."""
     framing_radius_m: float = 5.0
     """Radius about the target's origin that stays inside the picture in the other frames [m]."""
+    port: str = ""
+    """Named frame of the target, its docking port for one, that the camera comes to; empty for views from any side."""
+    cone_deg: float = 180.0
+    """Most angle between the port's +x axis, which points out of the craft, and the camera, at the port [deg]."""
 
 
 @dataclass(frozen=True)
