@@ -21,6 +21,7 @@ from proxnav.pose.align.outline import outline
 from proxnav.pose.align.score import Sampling, edge_share, region_misfit
 from proxnav.pose.align.target_crop import TargetCrop, target_box
 from proxnav.pose.align.wireframe import wireframe
+from proxnav.records import PoseResult
 
 CAMERA = Camera(width=320, height=240, fx=420.0, fy=420.0, cx=163.0, cy=118.0)
 BENT = Camera(320, 240, 420.0, 420.0, 163.0, 118.0, distortion=(-0.2, 0.1, 0.001, -0.002, 0.0))
@@ -118,6 +119,15 @@ def test_errors_of_the_calibration_move_the_pose_as_its_covariance_says(k, sigma
     axis = (2, 0, 1)[k]  # the focal length is taken for distance, the principal point for a place across
     assert moved_by[axis] == pytest.approx(said[axis], rel=0.2)
     np.testing.assert_allclose(found.covariance - exact.covariance, found.calibration_moves @ found.calibration_moves.T)
+
+
+def test_the_prior_of_a_result_keeps_what_the_camera_leaves_open_apart():
+    noise, moves = np.diag([0.1, 0.1, 0.5, 0.05, 0.05, 0.05]) ** 2, np.zeros((6, 3))
+    moves[2, 0] = 0.9
+    result = PoseResult("ok", POSE, noise + moves @ moves.T, np.ones(24, bool), 1.0, moves)
+    prior = Prior.of_result(result, 0.01)
+    np.testing.assert_allclose(prior.covariance, noise, atol=1e-15)
+    np.testing.assert_array_equal(prior.calibration_moves, moves)
 
 
 def test_the_covariance_is_symmetric_positive_and_covers_the_error():
