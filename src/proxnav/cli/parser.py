@@ -19,7 +19,7 @@ class Option:
     """One option as it is typed."""
 
     flags: tuple[str, ...]
-    """Its name; of a switch also the name that turns it off."""
+    """Its name and other words for it; of a switch also the name that turns it off."""
     values: tuple[str, ...]
     """What may follow it; empty where that is anything."""
 
@@ -73,7 +73,8 @@ def own_options(kind: type, prefix: str = "--") -> Iterator[Option]:
         if _POSITIONAL in notes or any(map(is_dataclass, (hint, *get_args(hint)))):
             continue
         name = _dashed(next((note.name for note in notes if getattr(note, "name", None)), field_name))
-        flags = (prefix + name, f"{prefix}no-{name}") if hint is bool else (prefix + name,)
+        also = [alias for note in notes for alias in getattr(note, "aliases", None) or ()]
+        flags = (prefix + name, f"{prefix}no-{name}") if hint is bool else (prefix + name, *also)
         yield Option(flags, tuple(_choices(hint)))
 
 

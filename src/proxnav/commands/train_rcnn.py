@@ -13,7 +13,7 @@ class TrainRcnnOptions(MissionOptions, DryRunOptions):
 
     out: Path
     """Folder of the run; the same command resumes it."""
-    preset: Literal["study", "study-small"] = "study-small"
+    recipe: Literal["study", "study-small"] = "study-small"
     """study: as published, for a GPU; study-small: slim heads and small sides, for two cores."""
     data: Path | None = None
     """Data set to train on, a folder or shards (also s3://...); without it every image is ray-cast fresh."""
@@ -61,7 +61,7 @@ def run(options: TrainRcnnOptions) -> None:
     keypoints = KeypointChoice.of(mission.target, options.subset)
     images = RcnnImages(options.data, options.validation, options.workers, options.repeats)
     recipe = RcnnRecipe(
-        options.preset, options.side, options.steps, options.minutes, options.validate_every, options.patience,
+        options.recipe, options.side, options.steps, options.minutes, options.validate_every, options.patience,
         options.mask, options.devices, options.start,
     )  # fmt: skip
     training = rcnn_training(mission, keypoints, images, recipe)
