@@ -31,7 +31,7 @@ TRAIN = {
     "heatmap": Command("our crop network, on fresh ray-cast crops", "train_heatmap"),
     "finder": Command("the network that finds the target in the full frame", "train_finder"),
     "export": Command("trained networks as a model folder that runs without torch", "train_export"),
-    "keypoint-rcnn": Command("the seed study's Keypoint R-CNN", "train_rcnn"),
+    "keypoint-rcnn": Command("the seed study's Keypoint R-CNN", "train_rcnn", renamed={"--preset": "--recipe"}),
 }
 MISSION = {
     "show": Command("frames of a mission, and the accuracy, light and motion it allows", "mission_show"),

@@ -7,12 +7,14 @@ from typing import Literal
 from proxnav.cli.options import DryRunOptions, MissionOptions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TrainRcnnOptions(MissionOptions, DryRunOptions):
     """Trains Keypoint R-CNN into --out (checkpoints, learning curve), then exports it as a model into --out/model."""
 
     out: Path
     """Folder of the run; the same command resumes it."""
+    mission: str = "observation-10-100m"
+    """Name of a shipped mission, or a TOML file, for images drawn on line: docs/missions.md"""
     recipe: Literal["study", "study-small"] = "study-small"
     """study: as published, for a GPU; study-small: slim heads and small sides, for two cores."""
     data: Path | None = None
