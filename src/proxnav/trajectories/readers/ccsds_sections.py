@@ -18,7 +18,7 @@ class MetaSection:
 
     line: int
     version: str
-    """Of the message."""
+    """Version of the message."""
     meta: dict[str, str] = field(default_factory=dict)
     rows: list[tuple[int, Instant, list[float]]] = field(default_factory=list)
     """(line, epoch in the section's own time system, numbers)."""
@@ -27,7 +27,7 @@ class MetaSection:
 
     @property
     def time_system(self) -> TimeSystem:
-        """Of its epochs; `checked` has seen that it is a known one."""
+        """Time system of the section's epochs; `checked` has seen that it is a known one."""
         system = time_system(self.meta.get("TIME_SYSTEM", "UTC"))
         assert system is not None
         return system

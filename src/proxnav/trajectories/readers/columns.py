@@ -39,7 +39,7 @@ _ALIASES = {
     "wz": "wz omega3 omegaz ratez",
 }
 _LETTERS = {"r": "radial", "t": "intrack", "s": "intrack", "n": "crosstrack", "w": "crosstrack"}
-"""Of a column such as RTN_T or RSW_S, where t is not the time."""
+"""Axis that a letter names in a column such as RTN_T or RSW_S, where t is not the time."""
 _MEANING = {alias: meaning for meaning, aliases in _ALIASES.items() for alias in aliases.split()}
 _WITH_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*")
 _UNIT_SUFFIX = re.compile(r"(?P<name>.*?)_(?P<unit>km_s|m_s|kmps|mps|km|m|deg|rad|deg_s|rad_s|s|sec|radps)_?")
