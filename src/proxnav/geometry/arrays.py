@@ -21,3 +21,11 @@ def frozen(values: Numbers, shape: tuple[int | None, ...], name: str, dtype: typ
 def unit(vectors: Float[np.ndarray, "*batch n"]) -> Float[np.ndarray, "*batch n"]:
     """Vectors scaled to length one."""
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def cross(a: Float[np.ndarray, "*a_batch 3"], b: Float[np.ndarray, "*b_batch 3"]) -> Float[np.ndarray, "*batch 3"]:
+    """The cross product: numpy's to the bit, much faster for single vectors, of which every scene needs hundreds."""
+    if a.ndim == b.ndim == 1:
+        (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+        return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    return np.cross(a, b)

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.geometry import quaternion
-from proxnav.geometry.arrays import unit
+from proxnav.geometry.arrays import cross, unit
 from proxnav.geometry.types import QuatWxyz, Vector3
 
 _NEARLY_ALONG = 1e-6  # sine of the angle below which `up` does not define the roll
@@ -19,18 +19,18 @@ def q_a_cam_looking(direction_a: Vector3, up_a: Vector3, fallback_up_a: Vector3)
     array([ 0.5, -0.5,  0.5, -0.5])
     """
     z = unit(direction_a)
-    x = np.cross(z, up_a)
+    x = cross(z, up_a)
     vague = np.linalg.norm(x, axis=-1, keepdims=True) < _NEARLY_ALONG * np.linalg.norm(up_a, axis=-1, keepdims=True)
-    x = unit(np.where(vague, np.cross(z, fallback_up_a), x))
-    return quaternion.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))
+    x = unit(np.where(vague, cross(z, fallback_up_a), x))
+    return quaternion.from_matrix(np.stack([x, cross(z, x), z], axis=-1))
 
 
 def q_between(a: Vector3, b: Vector3) -> QuatWxyz:
     """The smallest rotation that turns the unit vectors `a` into `b`; about any normal axis where b = -a."""
     w = 1.0 + np.sum(a * b, axis=-1, keepdims=True)
     flipped = w < 1e-12
-    spare = np.cross(a, np.where(np.abs(a[..., :1]) < 0.6, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
-    axis = np.where(flipped, spare, np.cross(a, b))
+    spare = cross(a, np.where(np.abs(a[..., :1]) < 0.6, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+    axis = np.where(flipped, spare, cross(a, b))
     return quaternion.normalize(np.concatenate([np.where(flipped, 0.0, w), axis], axis=-1))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from proxnav.geometry.arrays import cross
 from proxnav.geometry.types import QuatWxyz, Rotation3x3, Vector3
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
@@ -41,8 +42,8 @@ def multiply(p: QuatWxyz, q: QuatWxyz) -> QuatWxyz:
 def rotate(q: QuatWxyz, v: Vector3) -> Vector3:
     """v_a = R(q_a_b) v_b."""
     w, u = q[..., :1], q[..., 1:]
-    uv = np.cross(u, v)
-    return v + 2.0 * (w * uv + np.cross(u, uv))
+    uv = cross(u, v)
+    return v + 2.0 * (w * uv + cross(u, uv))
 
 
 def exp(phi: Vector3) -> QuatWxyz:

@@ -20,10 +20,10 @@ from proxnav.trajectories import (
 )
 
 DAYLIGHT = FlightConfig(epoch_utc="2024-11-01T00:30:00Z")
-"""Epoch of flights of whole orbits: the target comes out of Earth's shadow a seventh of an orbit after the flight begins."""
+"""Epoch of whole orbits: the target comes out of Earth's shadow a seventh of an orbit after the flight begins."""
 
 AFTERNOON = replace(DAYLIGHT, orbit=OrbitConfig(argument_of_latitude_deg=250.0))
-"""Epoch of flights of ten minutes from behind: lit throughout, the Sun 58 deg from behind the camera at first, 21 deg at last."""
+"""Ten minutes from behind: lit throughout, the Sun 58 deg from behind the camera at first, 21 deg at last."""
 
 FLIGHTS: dict[str, Callable[[], Trajectory]] = {
     "spiral-10-100m": lambda: walking_safety_ellipse(OBSERVATION_10_100_STRICT, DAYLIGHT),
