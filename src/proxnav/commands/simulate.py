@@ -59,11 +59,12 @@ def run(config: SimulateConfig) -> None:
         config.truth,
         config.sensing,
     )
-    write_mission(config.out / MISSION, mission)
     if config.runs > 1:
         fly_many(plan, carried_model(config.estimator, config.on), config, progress)
+        write_mission(config.out / MISSION, mission)
         print(f"{config.runs} flights of {reference.t[-1] - reference.t[0]:.0f} s in {config.out}")
         return
     truth, records = plan.fly(config.seed, progress)
     write_flight(config.out, truth, records, plan.camera, config)
+    write_mission(config.out / MISSION, mission)
     print(f"{flight_text(truth, records)} in {config.out}")
