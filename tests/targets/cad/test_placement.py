@@ -117,6 +117,11 @@ def test_a_pose_solved_from_hand_computed_pixels_is_that_of_the_files_origin(stl
     np.testing.assert_allclose(pose.R, np.eye(3), atol=1e-6)
     port = pose @ load_target(str(craft)).frames["docking_port"]
     np.testing.assert_allclose(port.t_m, [0.15, 0.0, 5.05], atol=1e-6)
+    assert main(["convert", "poses.json", "--from", "poses", "--to", "spec2019", "--out", "sent"]) == 0
+    (row,) = next(Path("sent").rglob("*.csv")).read_text().splitlines()
+    numbers = [float(cell) for cell in row.split(",")[1:]]
+    np.testing.assert_allclose(np.abs(numbers[0]), 1.0, atol=1e-6)  # scalar first
+    np.testing.assert_allclose(numbers[4:], [-0.25, -0.35, 5.0], atol=1e-5)
 
 
 def test_rendered_labels_and_pixels_are_those_of_the_files_corners(stl: Path) -> None:

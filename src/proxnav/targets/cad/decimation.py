@@ -23,8 +23,6 @@ MOST_PX = 0.5
 """What the outline may move at the nearest range [px] without a word of warning."""
 AGGRESSIVENESS = 3.0
 """How fast the tolerance of fast_simplification grows: its own choice of 7 tears meshes of millions of triangles."""
-MOST_PX = 0.25
-"""What the outline may move at the nearest range [px] before more triangles are kept."""
 N_PROBES = 50_000
 N_WORST = 2000
 N_SAMPLES = 300_000
