@@ -189,7 +189,7 @@ READERS: dict[str, Reader] = {
     ),
     "keypoints": Reader(("keypoints.json",), _keypoints),
     "points": Reader(("points.mat", "points.json", "points.csv"), _points),
-    "meshes": Reader(("mesh.glb", "mesh.gltf", "mesh.obj", "mesh.stl", "mesh.ply"), _mesh),
+    "meshes": Reader(("mesh.glb", "mesh.gltf", "mesh.obj", "mesh.stl", "mesh.ply", "mesh.dae"), _mesh),
     "target": Reader(("target.json", "mesh.npz"), _target, _target_beside),
     "images": Reader(("a.png", "a.jpg", "a.tif", "a.bmp", "a.pgm"), _image),
     "records": Reader(("ephemeris.csv", "poses.csv", "records.json", "gyro.csv", "gnss.csv", "truth.csv"),

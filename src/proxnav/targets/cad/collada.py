@@ -6,6 +6,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from proxnav.errors import InputError
+from proxnav.targets.cad.beside import check_inside
 
 _UNIT = re.compile(rb"<unit\b[^>]*?\bmeter\s*=\s*[\"']([^\"']{1,40})[\"']")
 _UP = re.compile(rb"<up_axis>\s*([XYZ])_UP\s*</up_axis>")
@@ -33,10 +34,7 @@ def check_collada(path: Path, size: int) -> None:
     if b"<!ENTITY" in content:
         raise InputError(f"{path}: defines XML entities, which no COLLADA file needs; export it again")
     for match in _PICTURE.finditer(content):
-        name = unquote(match.group(1).decode("utf-8", "replace")).removeprefix("./")
-        place = path.parent / name
-        if "://" in name or not place.resolve().is_relative_to(path.parent.resolve()):
-            raise InputError(f"{path}: refers to '{name[:80]}' outside its folder; expected pictures beside it")
+        check_inside(path, unquote(match.group(1).decode("utf-8", "replace")))
     if find_spec("collada") is None:
         raise InputError(f"{path}: COLLADA files are read by pycollada, which is not installed; "
                          'pip install "proxnav[cad]", or export a GLB')  # fmt: skip

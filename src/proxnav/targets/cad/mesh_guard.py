@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from proxnav.errors import InputError
+from proxnav.targets.cad.beside import check_inside
 from proxnav.targets.cad.collada import check_collada
 from proxnav.targets.cad.converted import check_step, check_usd
 from proxnav.targets.cad.meshopt import MAX_INFLATION
@@ -72,7 +73,7 @@ def _check_gltf(path: Path, size: int) -> None:
     tree = _parsed(path, path.read_bytes())
     files = [u for u in _uris(tree) if not u.startswith("data:")]
     for uri in files:
-        _check_inside(path, uri)
+        check_inside(path, uri)
     beside = [path.parent / uri for uri in files if (path.parent / uri).is_file()]
     _check_gltf_tree(path, tree, size + sum(file.stat().st_size for file in beside))
 
@@ -86,7 +87,7 @@ def _check_gltf_tree(path: Path, tree: dict[str, Any], available: int, unpacked:
         raise InputError(f"{path}: needs the glTF extension {missing[0]}, which is not read here; convert with: {how}")
     for uri in _uris(tree):
         if not uri.startswith("data:"):
-            _check_inside(path, uri)
+            check_inside(path, uri)
     for number, accessor in enumerate(tree.get("accessors", [])):
         _check_accessor(path, number, accessor, available)
 
@@ -132,16 +133,6 @@ def _component_bytes(kind: Any) -> int:
 def _uris(tree: dict[str, Any]) -> list[str]:
     entries = [e for key in ("buffers", "images") for e in tree.get(key, []) if isinstance(e, dict)]
     return [str(e["uri"]) for e in entries if "uri" in e]
-
-
-def _check_inside(path: Path, uri: str) -> None:
-    try:
-        place = (path.parent / uri).resolve()
-        place.exists()
-    except (OSError, ValueError):  # too long, NUL, half a surrogate pair
-        raise InputError(f"{path}: refers to {uri[:80]!r}, which no file can be called") from None
-    if "://" in uri or not place.is_relative_to(path.parent.resolve()):
-        raise InputError(f"{path}: refers to '{uri[:80]}' outside its folder; expected files beside it")
 
 
 def _parsed(path: Path, text: bytes) -> dict[str, Any]:
