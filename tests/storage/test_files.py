@@ -3,7 +3,7 @@
 import pytest
 
 from proxnav.errors import InputError
-from proxnav.storage.files import check_new_file, inside, write_atomic
+from proxnav.storage.files import check_new_file, filling, inside, write_atomic
 
 
 @pytest.fixture
@@ -40,3 +40,26 @@ def test_a_name_that_leads_out_or_that_no_file_can_have_is_refused(name, said, t
     with pytest.raises(InputError, match=said):
         inside(tmp_path, name)
     assert inside(tmp_path, "deep/er/new.png") == (tmp_path / "deep/er/new.png").resolve()
+
+
+def test_a_folder_is_filled_by_all_files_or_none_and_keeps_what_else_it_holds(tmp_path):
+    place = tmp_path / "model"
+    with filling(place) as part:
+        (part / "card").write_text("first")
+    with pytest.raises(InputError), filling(place) as part:  # noqa: PT012
+        (part / "card").write_text("second")
+        raise InputError("no")
+    assert (place / "card").read_text() == "first"
+    with filling(place) as part:
+        (part / "target").mkdir()
+        (part / "target" / "mesh").write_text("third")
+    assert (place / "card").read_text() == "first"
+    assert (place / "target" / "mesh").read_text() == "third"
+    assert [path.name for path in tmp_path.iterdir()] == ["model"]
+
+
+def test_a_folder_does_not_take_the_place_of_a_file(tmp_path):
+    (tmp_path / "model").write_text("mine")
+    with pytest.raises(InputError, match="is a file"), filling(tmp_path / "model"):
+        pass
+    assert (tmp_path / "model").read_text() == "mine"

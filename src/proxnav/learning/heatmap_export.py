@@ -19,6 +19,7 @@ from proxnav.learning.pose_calibration import (
 from proxnav.missions import MISSION, Mission, write_mission
 from proxnav.models.card import ModelCard, write_card
 from proxnav.pose.align import AlignConfig
+from proxnav.storage.files import filling
 from proxnav.targets.loading import GENERATED, load_target
 from proxnav.targets.target_files import save_target
 
@@ -27,26 +28,33 @@ def export_heatmap_model(
     crop: Path, finder: Path, out: Path, mission: Mission, net: HeatmapNetConfig, settings: HeatmapSettings,
     calibration: int, least: float | None = None, progress: Progress = silent,
 ) -> ModelCard:  # fmt: skip
-    """Writes crop.onnx, finder.onnx, their weights and model.json into `out`.
+    """Writes crop.onnx, finder.onnx, their weights, model.json and mission.toml into `out`: all of them, or nothing.
 
     Covariances are scaled on `calibration` fresh frames; the least median score is measured where `least` is None.
     """
+    with filling(out) as folder:
+        return _export(crop, finder, folder, mission, net, settings, calibration, least, progress)
+
+
+def _export(
+    crop: Path, finder: Path, folder: Path, mission: Mission, net: HeatmapNetConfig, settings: HeatmapSettings,
+    calibration: int, least: float | None, progress: Progress,
+) -> ModelCard:  # fmt: skip
     target = load_target(mission.target)
-    crop_net = HeatmapNet(net, len(target.keypoint_names))
-    _export_networks(crop_net, crop, finder, out, settings)
+    _export_networks(HeatmapNet(net, len(target.keypoint_names)), crop, finder, folder, settings)
     card = ModelCard(target.name, target.keypoint_names, target.keypoints_m, settings, network=net)
-    write_card(out, card)
-    write_mission(out / MISSION, mission)
-    estimator, frames = PoseEstimator.load(str(out)), CalibrationFrames(mission, calibration, progress)
+    write_card(folder, card)
+    write_mission(folder / MISSION, mission)
+    if target.name not in GENERATED:
+        save_target(target, folder / "target")
+    estimator, frames = PoseEstimator.load(str(folder)), CalibrationFrames(mission, calibration, progress)
     least = least_median_score(estimator, frames) if least is None else least
     scale = spread_scale(replace(estimator, least_median_score=least), frames)
-    if target.name not in GENERATED:
-        save_target(target, out / "target")
     settings = replace(settings, spread_scale=round(scale, 4))
     card = replace(card, settings=settings, least_median_score=round(least, 4), alignment=AlignConfig())
-    write_card(out, card)
-    card = replace(card, alignment=calibrated_alignment(PoseEstimator.load(str(out)), frames))
-    write_card(out, card)
+    write_card(folder, card)
+    card = replace(card, alignment=calibrated_alignment(PoseEstimator.load(str(folder)), frames))
+    write_card(folder, card)
     return card
 
 

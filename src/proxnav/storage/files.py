@@ -4,6 +4,7 @@ import csv
 import errno
 import json
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,6 +42,26 @@ def replacing(path: Path) -> Iterator[Path]:
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
+
+
+@contextmanager
+def filling(folder: Path) -> Iterator[Path]:
+    """A folder beside `folder` to write to, whose files move into it when the block ends well, and are gone if not.
+
+    Files of the same names are replaced, others stay. InputError where a file is in the place.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; name a folder to write")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    part = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
+    try:
+        yield part
+        for source in sorted(path for path in part.rglob("*") if path.is_file()):
+            place = folder / source.relative_to(part)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            source.replace(place)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
 
 
 def cannot_write(path: Path, error: OSError) -> InputError:
