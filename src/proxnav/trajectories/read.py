@@ -3,7 +3,6 @@
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -30,8 +29,8 @@ from proxnav.trajectories.readers.history import (
 )
 from proxnav.trajectories.readers.recognise import read_files
 from proxnav.trajectories.readers.reference_frames import ORBITAL, check_together
+from proxnav.trajectories.roles import assigned
 
-Kind = TypeVar("Kind", OrbitHistory, AttitudeHistory)
 Times = Float[np.ndarray, "n"]
 
 _FARTHEST_M = 2e9  # beyond Earth's sphere of influence
@@ -49,97 +48,27 @@ def read_trajectory(
     Without attitudes the target is LVLH-fixed and the camera points at it; without a second orbit the chaser holds.
     """
     config = config or ReaderConfig()
-    found = read_files(paths, config)
-    orbits = [history for history in found if isinstance(history, OrbitHistory)]
-    if not orbits:
-        raise InputError(f"{_names(paths)}: attitudes but no positions; give the file with the target's orbit as well")
-    attitudes = [history for history in found if isinstance(history, AttitudeHistory)]
-    hill = [history for history in orbits if history.frame.kind == "ric"]
-    named = [history for history in hill if config.chaser in (history.name, Path(history.source).stem)]
-    target, chaser = _roles(
-        [history for history in orbits if history not in hill], config.target, "" if named else config.chaser
-    )
-    relative = _only(named or hill, chaser)
-    attitude_target, attitude_chaser = _attitude_roles(attitudes, target, chaser, config)
-    attitude_chaser = attitude_chaser if config.q_chaser_cam is not None else None
-    used = [h for h in (target, relative or chaser, attitude_target, attitude_chaser) if h is not None]
+    roles = assigned(read_files(paths, config), config)
+    used, target = roles.used, roles.target
     epoch = used[0].epoch
     t = _instants(used, epoch, config) if t is None else np.asarray(t, dtype=np.float64)
-    if target is not None and chaser is not None and relative is None:
-        check_together([(h.source, h.frame) for h in (target, chaser)], epoch, t)
+    if target is not None and roles.chaser is not None and not roles.is_relative:
+        check_together([(h.source, h.frame) for h in (target, roles.chaser)], epoch, t)
     state_target = sample_orbit(target, epoch, t) if target else _assumed_orbit(config, t)
     _check_orbit(*state_target, used[0].source)
-    state_chaser = _chaser_states(relative or chaser, state_target, epoch, t, config)
-    _tell_notes([history for history in used if history is not relative])
-    if relative is not None:
-        _tell_relative(relative, target, config, state_chaser[0] - state_target[0])
+    state_chaser = _chaser_states(roles.chaser, state_target, epoch, t, config)
+    _tell_notes([history for history in used if history is not roles.chaser or not roles.is_relative])
+    if roles.chaser is not None and roles.is_relative:
+        _tell_relative(roles.chaser, target, config, state_chaser[0] - state_target[0])
     return assemble(
         epoch.iso(9),
         t,
         state_target,
         state_chaser,
-        q_eci_target=_attitude(attitude_target, epoch, t, state_target, _SAME_AXES),
-        q_eci_cam=_attitude(attitude_chaser, epoch, t, state_chaser, config.q_chaser_cam),
+        q_eci_target=_attitude(roles.attitude_target, epoch, t, state_target, _SAME_AXES),
+        q_eci_cam=_attitude(roles.attitude_chaser, epoch, t, state_chaser, config.q_chaser_cam),
         source=_names(paths),
     )
-
-
-def _roles(
-    orbits: list[OrbitHistory], target_name: str, chaser_name: str
-) -> tuple[OrbitHistory | None, OrbitHistory | None]:
-    """(target, chaser)."""
-    target, chaser = _named(orbits, target_name), _named(orbits, chaser_name)
-    rest = [history for history in orbits if history is not target and history is not chaser]
-    # Basilisk's two-craft tables put the servicer first.
-    if target is None and chaser is None and [h.name for h in rest[:2]] == ["1", "2"]:
-        rest = [rest[1], rest[0], *rest[2:]]
-    if len(rest) + (target is not None) + (chaser is not None) > 2:
-        names = ", ".join(history.name for history in orbits)
-        raise InputError(
-            f"{_names([h.source for h in orbits])}: objects {names}; name two by --reader.target and --reader.chaser"
-        )
-    if target is None and rest:
-        target = rest.pop(0)
-    if chaser is None and rest:
-        chaser = rest.pop(0)
-    return target, chaser
-
-
-def _only(relative: list[OrbitHistory], chaser: OrbitHistory | None) -> OrbitHistory | None:
-    """The chaser's positions relative to the target; InputError where several files or objects give its positions."""
-    if len(relative) + (chaser is not None and bool(relative)) > 1:
-        said = ", ".join(f"{h.name} of {h.source}" for h in [*relative, *([chaser] if chaser else [])])
-        raise InputError(f"the chaser's positions are given more than once, by {said}; name one by --reader.chaser")
-    return relative[0] if relative else None
-
-
-def _attitude_roles(
-    attitudes: list[AttitudeHistory],
-    target: OrbitHistory | None,
-    chaser: OrbitHistory | None,
-    config: ReaderConfig,
-) -> tuple[AttitudeHistory | None, AttitudeHistory | None]:
-    """(target's, chaser's): by the names of roles or orbits, the rest in order."""
-    names = (config.target or (target.name if target else ""), config.chaser or (chaser.name if chaser else ""))
-    known = {history.name for history in attitudes}
-    of_target = _named(attitudes, names[0]) if names[0] in known else None
-    of_chaser = _named(attitudes, names[1]) if names[1] in known else None
-    rest = [history for history in attitudes if history is not of_target and history is not of_chaser]
-    if of_target is None and rest:
-        of_target = rest.pop(0)
-    if of_chaser is None and rest:
-        of_chaser = rest.pop(0)
-    return of_target, of_chaser
-
-
-def _named(options: list[Kind], name: str) -> Kind | None:
-    if not name:
-        return None
-    for history in options:
-        if name in (history.name, Path(history.source).stem):
-            return history
-    names = ", ".join(history.name for history in options)
-    raise InputError(f"no object '{name}' in the files, only {names}; correct --reader.target or --reader.chaser")
 
 
 def _instants(used: list[History], epoch: Instant, config: ReaderConfig) -> Times:
