@@ -8,7 +8,8 @@ import trimesh
 
 from proxnav.errors import InputError
 from proxnav.targets.cad.from_mesh import from_mesh
-from proxnav.targets.keypoints.choice import corner_turn, near_symmetries, seen_share, sharpness, suggest_keypoints
+from proxnav.targets.keypoints.choice import near_symmetries, seen_share, suggest_keypoints
+from proxnav.targets.keypoints.corners import corner_turn, sharpness
 from proxnav.targets.space_rider import space_rider
 
 
@@ -55,6 +56,21 @@ def test_points_that_can_slide_along_an_edge_or_a_flat_are_no_corners():
     assert turn[~corner].max() < 1e-12
 
 
+@pytest.mark.parametrize("sides", [1, 2])
+def test_a_sheet_without_thickness_has_its_corners_on_its_rim(sides: int):
+    """Single, or drawn twice for both sides."""
+    sheet = (
+        trimesh.Trimesh([[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]).subdivide().subdivide()
+    )
+    faces = np.concatenate([sheet.faces, sheet.faces[:, ::-1]][:sides])
+    turn = corner_turn(np.asarray(sheet.vertices, float), faces)
+    corner = np.isin(sheet.vertices[:, 0], [0, 4]) & np.isin(sheet.vertices[:, 1], [0, 1])
+    assert corner.sum() == 4
+    assert turn[corner].min() > 0.1
+    assert turn[~corner].max() < 1e-12
+    assert sharpness(np.asarray(sheet.vertices, float), faces)[corner].min() > 0.15
+
+
 def test_a_box_has_eight_keypoints_however_finely_it_is_cut(tmp_path: Path):
     for k in range(2):
         box = trimesh.creation.box((1, 2, 3))
@@ -76,5 +92,5 @@ def test_fewer_than_four_are_refused_in_one_sentence(tmp_path: Path):
         suggest_keypoints(space_rider(), 3)
     plate = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     plate.export(tmp_path / "plate.stl")
-    with pytest.raises(InputError, match="only 0 distinct corners"):
+    with pytest.raises(InputError, match="only 3 distinct corners"):
         from_mesh(tmp_path / "plate.stl", unit_m=1.0)

@@ -8,9 +8,9 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from proxnav.errors import InputError
+from proxnav.targets.keypoints.corners import corner_turn, sharpness
 from proxnav.targets.keypoints.spread import farthest_points
 from proxnav.targets.keypoints.visibility import first_hits, surface_samples
-from proxnav.targets.surface.mapping import Faces, Vertices, corner_angles, face_normals
 from proxnav.targets.target import Target
 
 MIN_SHARPNESS = 0.15
@@ -43,19 +43,6 @@ def suggest_keypoints(target: Target, count: int = 24) -> tuple[Float[np.ndarray
     return chosen, tuple(f"p{i:02d}" for i in range(len(chosen)))
 
 
-def sharpness(vertices_m: Vertices, faces: Faces) -> Float[np.ndarray, "n_vertices"]:
-    """1 - |mean of the unit normals about each vertex|, each weighted by its triangle's angle there.
-
-    Weighting by area would call the corner of a thin plate flat: its rim has an angle there, but no area.
-    """
-    normal, angle = face_normals(vertices_m, faces), corner_angles(vertices_m, faces)
-    total, weight = np.zeros((len(vertices_m), 3)), np.zeros(len(vertices_m))
-    for corner in range(3):
-        np.add.at(total, faces[:, corner], normal * angle[:, corner, None])
-        np.add.at(weight, faces[:, corner], angle[:, corner])
-    return np.where(weight > 0, 1.0 - np.linalg.norm(total, axis=1) / np.maximum(weight, 1e-300), 0.0)
-
-
 def directions(n: int) -> Float[np.ndarray, "n 3"]:
     """Fibonacci lattice: n unit vectors spread evenly over the sphere."""
     z = 1.0 - (2.0 * np.arange(n) + 1.0) / n
@@ -70,20 +57,6 @@ def seen_share(target: Target, points_m: Float[np.ndarray, "n 3"]) -> Float[np.n
     origin = points_m[:, None, :] + 0.01 * target.size_m * d[None]
     hit = first_hits(target, origin.reshape(-1, 3), np.tile(d, (len(points_m), 1)))
     return np.isinf(hit).reshape(len(points_m), len(d)).mean(axis=1)
-
-
-def corner_turn(vertices_m: Vertices, faces: Faces) -> Float[np.ndarray, "n_vertices"]:
-    """Least eigenvalue of the mean of n n^T over the unit normals n about each vertex, weighted by their angles there.
-
-    0 on a flat and along a straight edge, whose normals span a plane at most; 1/3 at a cube's corner.
-    """
-    normal, angle = face_normals(vertices_m, faces), corner_angles(vertices_m, faces)
-    spread, weight = np.zeros((len(vertices_m), 3, 3)), np.zeros(len(vertices_m))
-    outer = normal[:, :, None] * normal[:, None, :]
-    for corner in range(3):
-        np.add.at(spread, faces[:, corner], outer * angle[:, corner, None, None])
-        np.add.at(weight, faces[:, corner], angle[:, corner])
-    return np.linalg.eigvalsh(spread / np.maximum(weight, 1e-300)[:, None, None])[:, 0]
 
 
 def _candidates(target: Target, count: int) -> Float[np.ndarray, "n 3"]:
