@@ -8,14 +8,15 @@ from proxnav.cluster.carried import Carried
 from proxnav.detection.sessions import Backend
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_in_image
-from proxnav.geometry.types import Box, GreyImage, Image, Points
+from proxnav.geometry.types import Box, GreyImage, Image, Points, Vector3
 from proxnav.images.size import check_size
 from proxnav.images.tones import grey_8_bit
 from proxnav.models.loading import Detect, DetectIn, Model, load_model
 from proxnav.pose.align import AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose
-from proxnav.records import Keypoints, PoseResult
+from proxnav.pose.trust import TrustConfig, judged
+from proxnav.records import Keypoints, PoseResult, Sky
 from proxnav.targets import Target
 
 VAGUE_RAD = 0.6
@@ -47,15 +48,36 @@ class PoseEstimator:
     shape: Target | None = None
     """Mesh whose outline is laid onto the image's edges; None leaves the pose as the keypoints say it."""
     alignment: AlignConfig = field(default_factory=AlignConfig)
+    trust: TrustConfig = field(default_factory=TrustConfig)
 
     @staticmethod
     def load(model: str | Carried, backend: Backend = "auto", threads: int = 0) -> "PoseEstimator":
         """A shipped model by name, or any folder with a `model.json`."""
         return _assembled(load_model(model, backend, threads))
 
-    def __call__(self, image: Image, camera: Camera) -> PoseResult:
-        """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size."""
-        return self.keypoints_and_pose(image, camera)[1]
+    def __call__(
+        self, image: Image, camera: Camera, *, sun_cam: Vector3 | None = None, nadir_cam: Vector3 | None = None
+    ) -> PoseResult:
+        """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size.
+
+        `sun_cam` and `nadir_cam`, directions to the Sun and to Earth's centre in camera axes, let the pose be checked
+        by the view that it predicts: `trust` of the result says what came out, and a pose that the picture contradicts
+        is refused as `unlike_render`.
+        """
+        result = self.keypoints_and_pose(image, camera)[1]
+        return result if sun_cam is None else self.verified(result, image, camera, Sky(sun_cam, nadir_cam))
+
+    def verified(self, result: PoseResult, image: Image, camera: Camera, sky: Sky) -> PoseResult:
+        """The result with the verdict of the view that it predicts; `unlike_render` where that contradicts it."""
+        if self.shape is None or result.T_cam_target is None:
+            return result
+        from proxnav.verification import verifier_of  # brings the ray caster, which only this needs
+
+        similarity = verifier_of(self.shape).similarity(grey_8_bit(image), camera, result.T_cam_target, sky)
+        trust = judged(similarity, self.trust)
+        if trust.verdict == "contradicted":
+            return replace(PoseResult.failure("unlike_render", len(result.inliers)), trust=trust)
+        return replace(result, trust=trust)
 
     def keypoints_and_pose(self, image: Image, camera: Camera, box: Box | None = None) -> tuple[Keypoints, PoseResult]:
         """As calling the estimator, with the keypoints that the pose rests on.

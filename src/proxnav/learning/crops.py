@@ -20,7 +20,8 @@ from proxnav.images.tones import as_8_bit
 from proxnav.missions import Mission
 from proxnav.missions.views import accepted_views
 from proxnav.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
-from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
+from proxnav.rendering.raycast import RaycastRenderer
+from proxnav.rendering.raycast.config import QUICK
 from proxnav.scenes.random_scene import random_scene
 from proxnav.sensor.expose import expose
 from proxnav.sensor.presets import draw_sensor
@@ -28,10 +29,6 @@ from proxnav.targets import Target
 from proxnav.targets.keypoints.visibility import visible_keypoints
 from proxnav.targets.loading import load_target
 
-QUICK = RaycastConfig(
-    samples=4, sun_samples=4, bounces=0, ambient_rays=12, ambient_spacing_m=1.0, environment_rows=16, reflections=False
-)
-"""Ray casting at the quality that training needs."""
 BEHIND_M = (0.0, 0.0, -50.0)
 """Position of a target behind the camera, which leaves the picture to the sky, camera axes [m]."""
 _MARGINS = (1.05, 1.6)

@@ -19,6 +19,7 @@ from proxnav.records.navigation import (
 from proxnav.records.rendered_frame import RenderedFrame, Window
 from proxnav.records.scene import EarthSpec, SceneSpec, SunSpec, TextureSpec
 from proxnav.records.sensor import ExposureSpec, SensorSpec
+from proxnav.records.sky import Sky
 from proxnav.records.trajectory import Trajectory
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "SceneSpec",
     "SensorRecords",
     "SensorSpec",
+    "Sky",
     "StarTrackerData",
     "SunSpec",
     "TextureSpec",

@@ -11,7 +11,19 @@ from proxnav.geometry.arrays import frozen
 from proxnav.geometry.types import Box
 
 DetectionStatus = Literal["ok", "no_target", "bad_image"]
-PoseStatus = Literal["ok", "too_few_points", "no_consensus", "behind_camera", "no_target", "bad_image"]
+PoseStatus = Literal["ok", "too_few_points", "no_consensus", "behind_camera", "no_target", "bad_image", "unlike_render"]
+"""unlike_render: the picture does not show what the pose predicts under the Sun that was given."""
+Verdict = Literal["verified", "contradicted", "not_verifiable"]
+
+
+@dataclass(frozen=True, slots=True)
+class Trust:
+    """Evidence about one pose."""
+
+    verdict: Verdict
+    """verified, contradicted, or not_verifiable where the predicted view has too little contrast to be compared."""
+    similarity: float
+    """Local correlation with the view that is predicted at the pose, -1 to 1; NaN where none was compared."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,6 +85,8 @@ class PoseResult:
     calibration_moves: Float[np.ndarray, "6 calibration=3"] = field(default_factory=lambda: np.zeros((6, 3)))
     """(dt, dr) by one standard deviation of each error of the camera's calibration: focal length, principal point along
     x and y. The covariance holds them; they are the same in every image."""
+    trust: Trust | None = None
+    """Evidence about the pose; None where the Sun was not given and nothing was compared."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inliers", frozen(self.inliers, (None,), "inliers", bool))

@@ -37,3 +37,9 @@ class RaycastConfig:
     def sun_rays_per_sample(self) -> int:
         """Rays to the Sun for each camera ray of a refined pixel."""
         return -(-self.sun_samples // self.samples)
+
+
+QUICK = RaycastConfig(
+    samples=4, sun_samples=4, bounces=0, ambient_rays=12, ambient_spacing_m=1.0, environment_rows=16, reflections=False
+)
+"""Quality that training crops and the check of a pose by its predicted view need."""

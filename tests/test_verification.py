@@ -1,0 +1,55 @@
+"""Poses checked by the view that they predict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from proxnav.estimator import PoseEstimator
+from proxnav.frames import FrameConfig, FrameJob
+from proxnav.geometry import Pose, quaternion
+from proxnav.missions import load_mission
+from proxnav.missions.scenes import draw_scenes
+from proxnav.records import PoseResult, SceneSpec, Sky
+from proxnav.targets.loading import load_target
+from proxnav.verification import verifier_of
+
+
+@pytest.fixture(scope="module")
+def frame() -> tuple[np.ndarray, SceneSpec]:
+    scene = draw_scenes(load_mission("observation-10-100m"), 1, seed=12)[0]
+    image = FrameJob("space-rider", FrameConfig("raycast"))()(scene).image
+    return image, scene
+
+
+def sky(scene: SceneSpec) -> Sky:
+    R = scene.T_cam_target.R
+    nadir = None if scene.earth is None else R @ np.array(scene.earth.r_target_earth_m)
+    return Sky(R @ np.array(scene.sun.direction_target), nadir)
+
+
+def half_turned(T: Pose) -> Pose:
+    turn = quaternion.exp(np.array([0.0, 0.0, np.pi]))
+    return Pose.from_wxyz("cam", "target", quaternion.multiply(T.q_wxyz, turn), T.t_m)
+
+
+@pytest.mark.slow
+def test_the_true_pose_is_like_the_picture_and_its_half_turn_is_not(frame) -> None:
+    image, scene = frame
+    verifier = verifier_of(load_target("space-rider"))
+    true = verifier.similarity(image, scene.camera, scene.T_cam_target, sky(scene))
+    wrong = verifier.similarity(image, scene.camera, half_turned(scene.T_cam_target), sky(scene))
+    assert true.score > 0.647 > wrong.score + 0.2
+
+
+@pytest.mark.slow
+def test_the_estimator_refuses_what_the_picture_contradicts_and_says_why(frame) -> None:
+    image, scene = frame
+    estimator = replace(PoseEstimator.load("space-rider", threads=1))
+    known = sky(scene)
+    result = estimator(image, scene.camera, sun_cam=known.sun_cam, nadir_cam=known.nadir_cam)
+    assert (result.status, result.trust.verdict) == ("ok", "verified")
+    wrong = PoseResult("ok", half_turned(scene.T_cam_target), np.eye(6), np.ones(24, bool))
+    refused = estimator.verified(wrong, image, scene.camera, known)
+    assert (refused.status, refused.T_cam_target, refused.trust.verdict) == ("unlike_render", None, "contradicted")
+    assert estimator(image, scene.camera).trust is None
