@@ -11,7 +11,7 @@ class TargetShowConfig:
     """Draws a target from eight sides with its keypoints, and prints its size, parts and keypoints."""
 
     target: tyro.conf.Positional[str]
-    """space-rider, a target.json or its folder, or a mesh file in metres."""
+    """space-rider, tango, a target.json or its folder, or a mesh file in metres."""
     out: Path | None = None
     """Picture to write, PNG; none when not given."""
     size: int = 480

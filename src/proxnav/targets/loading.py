@@ -6,14 +6,15 @@ from pathlib import Path
 from proxnav.errors import InputError
 from proxnav.targets.cad.from_mesh import from_mesh
 from proxnav.targets.space_rider import space_rider
+from proxnav.targets.tango import tango
 from proxnav.targets.target import Target
 from proxnav.targets.target_files import read_target
 
-GENERATED = {"space-rider": space_rider}
+GENERATED = {"space-rider": space_rider, "tango": tango}
 
 
 def load_target(name_or_path: str) -> Target:
-    """`space-rider`, a target.json (or its folder), or a mesh file whose unit is declared or metres.
+    """`space-rider`, `tango`, a target.json (or its folder), or a mesh file whose unit is declared or metres.
 
     The same file gives the same object, so that what is built from it (ray casters, textures) is built once.
     """
