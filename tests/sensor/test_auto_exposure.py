@@ -28,6 +28,12 @@ def test_the_target_is_metered_rather_than_a_bright_background(make_frame, make_
     assert by_box == pytest.approx(by_target)
 
 
+def test_an_exposure_bias_lengthens_the_exposure_by_its_factor(make_frame, make_scene):
+    frame = make_frame(np.full((9, 9), 10.0))
+    plain, biased = (choose_exposure(frame, make_scene(SensorSpec(exposure_bias=bias))) for bias in (1.0, 3.0))
+    assert biased == pytest.approx(3.0 * plain)
+
+
 def test_exposure_stays_within_its_limits(make_frame, make_scene):
     control = AutoExposure(shortest_s=1e-4, longest_s=1e-3)
     scene = make_scene(SensorSpec())

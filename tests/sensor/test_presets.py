@@ -11,8 +11,10 @@ from proxnav.sensor.colour import demosaic, mosaic
 from proxnav.sensor.detector import read_out
 from proxnav.sensor.presets import (
     CMV4000_CLASS,
+    OWN_RANGES,
     SENSORS,
     SPEED_CLASS,
+    SPEEDPLUS_CLASS,
     SensorRanges,
     draw_sensor,
     scaled_noise,
@@ -37,6 +39,29 @@ def test_drawn_cameras_lie_within_the_ranges_and_differ(rng):
         assert np.unique(values).size == 200
     assert len({sensor.serial for sensor in drawn}) == 200
     assert all(0.4 <= sensor.quantum_efficiency[1] <= 0.75 for sensor in drawn)
+
+
+def test_cameras_about_the_laboratorys_keep_its_noise(rng):
+    ranges = OWN_RANGES[SPEEDPLUS_CLASS.name]
+    drawn = [draw_sensor(rng, SPEEDPLUS_CLASS) for _ in range(200)]
+    noise_dn = np.array([sensor.read_noise_e / (sensor.full_well_e / 255.0) for sensor in drawn])
+    assert noise_dn.min() < 3.0
+    assert noise_dn.max() > 9.0
+    for name in ("black_level_dn", "exposure_bias"):
+        low, high = getattr(ranges, name)
+        values = np.array([getattr(sensor, name) for sensor in drawn])
+        assert low <= values.min() < getattr(SPEEDPLUS_CLASS, name) < values.max() <= high
+
+
+def test_the_laboratorys_camera_shows_the_measured_black_and_saturated_levels():
+    window = Window(0, 0, 200, 200)
+    dark, full = (
+        read_out(np.full((200, 200), signal, np.float32), SPEEDPLUS_CLASS, ExposureSpec(), 1e-3, window, (200, 200))
+        for signal in (0.0, 20_000.0)
+    )
+    assert dark.mean() == pytest.approx(32.0, abs=0.3)
+    assert dark.std() == pytest.approx(6.9, abs=0.15)  # DN, as in the photographs
+    assert 249.0 < full.mean() < 254.0  # photographs: 248 to 252
 
 
 def test_same_generator_draws_the_same_camera():

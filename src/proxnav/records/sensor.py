@@ -74,6 +74,8 @@ class SensorSpec:
     """Share of the Sun's light in the lens that scatters over the image; used when `flare` is on."""
     aperture_blades: int = 7
     """Straight edges of the iris, which make the starburst's spikes; 0 is a round aperture without spikes."""
+    exposure_bias: float = 1.0
+    """Factor on the exposure that is chosen for a single frame: above 1 bright faces saturate, as operators allow."""
 
 
 @dataclass(frozen=True)

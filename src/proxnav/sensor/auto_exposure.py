@@ -48,7 +48,8 @@ def choose_exposure(
 ) -> float:
     """Exposure [s] that puts the metered percentile of this frame at the level wanted, within the limits.
 
-    Metered are: the pixels of `box_xyxy` (full image, px) if given, else those of the target, else the whole frame.
+    The sensor's `exposure_bias` multiplies it. Metered are: the pixels of `box_xyxy` (full image, px) if given, else
+    those of the target, else the whole frame.
     """
     control = control or AutoExposure()
     rate = electron_rate(_metered(frame, box_xyxy), scene.sensor)
@@ -56,7 +57,7 @@ def choose_exposure(
     peak = float(np.percentile(rate, control.percentile))
     if not peak > 0.0:
         return control.longest_s
-    return _limited(control.level * scene.sensor.full_well_e / peak, control)
+    return _limited(scene.sensor.exposure_bias * control.level * scene.sensor.full_well_e / peak, control)
 
 
 def measure_level(

@@ -53,12 +53,31 @@ CMV4000_CLASS = replace(
 )
 """The class of many CubeSat cameras (2048 x 2048, global shutter), mono, 10 bit, f/4."""
 
+SPEEDPLUS_CLASS = replace(
+    SPEED_CLASS,
+    name="speedplus-class",
+    f_number=2.8,  # with the focus below: edges blur from 0.7 px at 2.7 m to 1.4 px beyond 5 m, as measured
+    focus_m=2.7,
+    psf_sigma_px=0.7,
+    full_well_e=4460.0,  # 20 electrons for each DN: at least 18 measured in the median photograph, JPEG
+    gain_e_per_dn=20.0,  # well and black level together reach 255: saturated faces keep their noise
+    read_noise_e=138.0,  # 6.9 DN
+    black_level_dn=32.0,  # 28 to 37 from photograph to photograph
+    row_noise_dn=0.0,
+    column_noise_dn=0.0,
+    particle_rate_cm2_s=0.0,
+    flare=False,  # no sun in a laboratory
+    exposure_bias=1.8,  # so that the craft saturates as often as in the photographs
+)
+"""What the photographs of SPEED+ (lightbox, JPEG) look like: tools/measure_photographs.py prints the numbers."""
+
 SENSORS = {
     sensor.name: sensor
     for sensor in (
         IDEAL,
         SPEED_CLASS,
         CMV4000_CLASS,
+        SPEEDPLUS_CLASS,
         replace(SPEED_CLASS, name="speed-class-colour", colour=True, quantum_efficiency=(0.48, 0.60, 0.50)),
         replace(CMV4000_CLASS, name="cmv4000-class-colour", colour=True, quantum_efficiency=(0.40, 0.48, 0.36)),
     )
@@ -98,20 +117,38 @@ class SensorRanges:
     blooming: tuple[float, float] = (0.01, 0.2)
     particle_rate_cm2_s: tuple[float, float] = (1.0, 500.0)
     aperture_blades: tuple[int, int] = (5, 9)
+    black_level_dn: tuple[float, float] | None = None
+    """The base's own where None, and so is the next."""
+    exposure_bias: tuple[float, float] | None = None
+
+
+OWN_RANGES = {
+    SPEEDPLUS_CLASS.name: SensorRanges(
+        full_well_e=(3000.0, 8000.0),
+        read_noise_e=(40.0, 180.0),
+        psf_sigma_px=(0.4, 1.6),
+        black_level_dn=(2.0, 45.0),
+        exposure_bias=(0.5, 6.0),
+        particle_rate_cm2_s=(0.0, 0.0),
+    )
+}
+"""Limits of random cameras whose base is so unlike others that the default limits would not hold it."""
 
 
 def draw_sensor(rng: np.random.Generator, base: SensorSpec, ranges: SensorRanges | None = None) -> SensorSpec:
     """A camera of its own serial within the ranges, log-uniform where a range spans more than a factor of two.
 
-    Format, lens, bits, black level and colour stay those of the base; the gain follows the full well.
+    Without `ranges` they are those of `OWN_RANGES` for the base, else the default. Format, lens, bits and colour stay
+    those of the base, black level and exposure bias too where no range is given; the gain follows the full well.
     """
-    ranges = ranges or SensorRanges()
+    ranges = ranges or OWN_RANGES.get(base.name, SensorRanges())
     drawn = {name: _draw(rng, *getattr(ranges, name)) for name in _DRAWN}
     factor = _draw(rng, *ranges.quantum_efficiency) / base.quantum_efficiency[1]
     red, green, blue = (min(value * factor, 0.95) for value in base.quantum_efficiency)
     line_unit = 2.0 ** (base.bits - 8)
     low, high = ranges.aperture_blades
     serial = int(rng.integers(2**31))
+    drawn |= {name: _draw(rng, *limits) for name in _OPTIONAL if (limits := getattr(ranges, name)) is not None}
     return replace(
         base,
         **drawn,
@@ -139,6 +176,7 @@ _DRAWN = (
     "blooming",
     "particle_rate_cm2_s",
 )
+_OPTIONAL = ("black_level_dn", "exposure_bias")
 
 
 def _draw(rng: np.random.Generator, low: float, high: float) -> float:
