@@ -74,8 +74,7 @@ def run(config: TargetNewConfig) -> None:
     path = save_target(target, config.out)
     print(description(target))
     write_contact_sheet(target, config.out / "preview.png", 480)
-    print(f"preview in {config.out / 'preview.png'}")
-    for sentence in second_looks(target):
-        print(f"look: {sentence}")
+    looks = [f"look: {sentence}" for sentence in second_looks(target)]
+    print("\n".join([f"preview in {config.out / 'preview.png'}", *looks]))
     print(accuracy_table(target, mission.camera))
     print(f"target in {path}; use it with --target {config.out}")

@@ -73,9 +73,8 @@ def run(options: TrainRcnnOptions) -> None:
     result = training.run(options.out, options)
     if is_first_rank():
         score = f", best mean E_C {result.best_score:.4f}" if options.validation else ""
-        print(f"{result.reason}: {result.steps} steps, {result.samples} images{score}; {result.weights}")
+        print(f"{result.reason}: {result.steps} steps, {result.samples} images{score}; {options.out / 'model'} follows")
         export_rcnn_model(
             result.model, mission, keypoints, options.out / "model", options.side, options.calibration, options.looks,
             options.least_median_score, progress,
         )  # fmt: skip
-        print(f"model in {options.out / 'model'}")
