@@ -1,16 +1,15 @@
 """Poses checked by the view that they predict."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
+from proxnav.datasets.skies import sky_of
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Pose, quaternion
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
-from proxnav.records import PoseResult, SceneSpec, Sky
+from proxnav.records import PoseResult, SceneSpec
 from proxnav.targets.loading import load_target
 from proxnav.verification import verifier_of
 
@@ -22,12 +21,6 @@ def frame() -> tuple[np.ndarray, SceneSpec]:
     return image, scene
 
 
-def sky(scene: SceneSpec) -> Sky:
-    R = scene.T_cam_target.R
-    nadir = None if scene.earth is None else R @ np.array(scene.earth.r_target_earth_m)
-    return Sky(R @ np.array(scene.sun.direction_target), nadir)
-
-
 def half_turned(T: Pose) -> Pose:
     turn = quaternion.exp(np.array([0.0, 0.0, np.pi]))
     return Pose.from_wxyz("cam", "target", quaternion.multiply(T.q_wxyz, turn), T.t_m)
@@ -37,16 +30,16 @@ def half_turned(T: Pose) -> Pose:
 def test_the_true_pose_is_like_the_picture_and_its_half_turn_is_not(frame) -> None:
     image, scene = frame
     verifier = verifier_of(load_target("space-rider"))
-    true = verifier.similarity(image, scene.camera, scene.T_cam_target, sky(scene))
-    wrong = verifier.similarity(image, scene.camera, half_turned(scene.T_cam_target), sky(scene))
+    true = verifier.similarity(image, scene.camera, scene.T_cam_target, sky_of(scene))
+    wrong = verifier.similarity(image, scene.camera, half_turned(scene.T_cam_target), sky_of(scene))
     assert true.score > 0.647 > wrong.score + 0.2
 
 
 @pytest.mark.slow
 def test_the_estimator_refuses_what_the_picture_contradicts_and_says_why(frame) -> None:
     image, scene = frame
-    estimator = replace(PoseEstimator.load("space-rider", threads=1))
-    known = sky(scene)
+    estimator = PoseEstimator.load("space-rider", threads=1)
+    known = sky_of(scene)
     result = estimator(image, scene.camera, sun_cam=known.sun_cam, nadir_cam=known.nadir_cam)
     assert (result.status, result.trust.verdict) == ("ok", "verified")
     wrong = PoseResult("ok", half_turned(scene.T_cam_target), np.eye(6), np.ones(24, bool))

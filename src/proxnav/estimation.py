@@ -1,7 +1,7 @@
 """Estimating many images, or scenes that are ray-cast for it, over processes or machines: one frame a job."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from proxnav.cluster.carried import Carried
@@ -14,7 +14,7 @@ from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.images.codecs import decode_image, read_image_file
 from proxnav.models.loading import carried_model
-from proxnav.records import Keypoints, PoseResult, SceneSpec
+from proxnav.records import Keypoints, PoseResult, SceneSpec, Sky
 from proxnav.targets import Target
 
 Sent = tuple[str, bytes]
@@ -30,10 +30,12 @@ class EstimateJob:
     backend: Backend = "auto"
     threads: int = 1
     """Threads of the network; with one, sums come in the same order everywhere."""
+    skies: Mapping[str, Sky] = field(default_factory=dict)
+    """Sun and Earth by the name of the image; poses of images that are not named stay unchecked."""
 
     def __call__(self) -> Callable[[Path | Sent], tuple[PoseRecord, Keypoints]]:
         estimator = PoseEstimator.load(self.model, self.backend, self.threads)
-        return lambda item: estimate_image(estimator, item, self.camera)
+        return lambda item: estimate_image(estimator, item, self.camera, self.skies)
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,9 @@ class SceneEstimateJob:
         return lambda scene: estimator.keypoints_and_pose(draw(scene).image, scene.camera)
 
 
-def estimate_image(estimator: PoseEstimator, item: Path | Sent, camera: Camera) -> tuple[PoseRecord, Keypoints]:
+def estimate_image(
+    estimator: PoseEstimator, item: Path | Sent, camera: Camera, skies: Mapping[str, Sky]
+) -> tuple[PoseRecord, Keypoints]:
     """Pose and keypoints of one image; `bad_image` where it cannot be read. A refusal names the image."""
     where = item[0] if isinstance(item, tuple) else str(item)
     name = Path(where).name
@@ -62,17 +66,23 @@ def estimate_image(estimator: PoseEstimator, item: Path | Sent, camera: Camera) 
         return PoseRecord(name, None, "bad_image"), Keypoints.none("bad_image", len(estimator.points_target_m))
     try:
         keypoints, result = estimator.keypoints_and_pose(image, camera)
+        if name in skies:
+            result = estimator.verified(result, image, camera, skies[name])
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-    return PoseRecord(name, result.T_cam_target, result.status, result.covariance), keypoints
+    return PoseRecord(name, result.T_cam_target, result.status, result.covariance, result.trust), keypoints
 
 
 def estimate_images(
     images: Sequence[Path], camera: Camera, model: str, backend: Backend = "auto", threads: int = 0, workers: int = 1,
-    on: str = POOL, done: Callable[[], None] = lambda: None,
+    on: str = POOL, done: Callable[[], None] = lambda: None, skies: Mapping[str, Sky] | None = None,
 ) -> tuple[list[PoseRecord], list[Keypoints]]:  # fmt: skip
-    """One record and its keypoints per image, in order; `threads` are those of a single process, workers have one."""
-    job = EstimateJob(carried_model(model, on), camera, backend, threads if workers == 1 and on == POOL else 1)
+    """One record and its keypoints per image, in order; `threads` are those of a single process, workers have one.
+
+    Poses of images that `skies` names are checked by the view that they predict.
+    """
+    threads = threads if workers == 1 and on == POOL else 1
+    job = EstimateJob(carried_model(model, on), camera, backend, threads, skies or {})
     send = _content if is_elsewhere(on) else None
     found: dict[Path, tuple[PoseRecord, Keypoints]] = {}
     for path, answer in run_anywhere(job, images, workers, on, lambda path: path.name, send):

@@ -19,6 +19,8 @@ class EstimateConfig(ModelOptions, CameraOptions, WorkerOptions):
     """File to write."""
     threads: int = 0
     """Threads of the network; 0 takes all cores."""
+    sky: Path | None = None
+    """Sun and Earth in camera axes, a csv (docs/pose.md) or a data set whose scenes say it; poses are checked by it."""
 
 
 def run(config: EstimateConfig) -> None:
@@ -26,17 +28,23 @@ def run(config: EstimateConfig) -> None:
     from proxnav.cli.progress import progress, say_when_compiling
     from proxnav.datasets.formats.speed_poses import write_poses
     from proxnav.datasets.image_folders import camera_beside, find_images
+    from proxnav.datasets.skies import read_skies
+    from proxnav.errors import InputError
     from proxnav.estimation import estimate_images
     from proxnav.storage.files import check_new_file
 
     check_new_file(config.out)
-    images = find_images(config.input)
+    images, skies = find_images(config.input), {} if config.sky is None else read_skies(config.sky)
+    if config.sky is not None and not any(path.name in skies for path in images):
+        raise InputError(f"--sky {config.sky}: names none of the {len(images)} images; give their file names")
     camera = config.camera_or(lambda: camera_beside(config.input))
     say_when_compiling("pose")
     with progress("estimate", len(images)) as done:
         records, _ = estimate_images(
-            images, camera, config.model, config.backend, config.threads, config.workers, config.on, done
+            images, camera, config.model, config.backend, config.threads, config.workers, config.on, done, skies
         )
     write_poses(config.out, records)
     poses = sum(record.T_cam_target is not None for record in records)
-    print(f"{poses} poses from {len(records)} images in {config.out}")
+    refused = sum(record.status == "unlike_render" for record in records)
+    checked = f", {refused} refused because the picture contradicts them" if config.sky is not None else ""
+    print(f"{poses} poses from {len(records)} images in {config.out}{checked}")

@@ -5,7 +5,7 @@ bare list of records or that list under `poses` (SPIN, SHIRT exports).
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
+from proxnav.records.estimates import Trust
 from proxnav.storage.files import read_json, write_json
 from proxnav.storage.numbers import finite_numbers
 
@@ -31,6 +32,8 @@ class PoseRecord:
     status: str = "ok"
     covariance: Float[np.ndarray, "6 6"] | None = None
     """Covariance of (dt [m], dr [rad]), camera frame."""
+    trust: Trust | None = None
+    """Evidence about an estimate, where there is any; it is written, and not read."""
 
 
 def read_poses(path: str | Path) -> dict[str, PoseRecord]:
@@ -56,13 +59,14 @@ def write_poses(path: str | Path, records: Iterable[PoseRecord]) -> None:
 
 def _entry(record: PoseRecord) -> dict[str, Any]:
     T, covariance = record.T_cam_target, record.covariance
-    return {
+    entry = {
         "filename": record.filename,
         QUATERNION_KEYS[0]: None if T is None else quaternion.canonical(T.q_wxyz).tolist(),
         POSITION_KEY: None if T is None else T.t_m.tolist(),
         "status": record.status,
         "covariance": None if covariance is None else np.asarray(covariance).tolist(),
     }
+    return entry if record.trust is None else entry | {"trust": asdict(record.trust)}
 
 
 def _record(entry: Any, where: str) -> PoseRecord:
