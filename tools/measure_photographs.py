@@ -14,6 +14,9 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
+from proxnav.images.codecs import read_image
+from proxnav.images.tones import grey_8_bit
+
 TILE_PX = 16
 EDGE_STEP_DN = 80.0
 
@@ -24,7 +27,7 @@ def main(folder: Path) -> None:
     if not names:
         sys.exit(f"{folder}: no .jpg or .png; name the folder that holds the photographs")
     print("picture            black [DN]  noise [DN]  corr. next px  border/centre  e-/DN >=  blur [px]  at 255 [%]")
-    rows = np.array([_measure(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)) for path in names])
+    rows = np.array([_measure(grey_8_bit(read_image(path))) for path in names])
     for name, row in zip([path.name for path in names], rows, strict=True):
         print(_line(name, row))
     print(_line("median", np.nanmedian(rows, axis=0)))

@@ -45,8 +45,10 @@ class TangoParams:
     """Columns of cells on each side of the strip. Counted."""
     cell_width_m: float = 0.083
     """Pitch along x. Measured."""
-    cell_length_m: float = 0.043
+    cell_length_m: float = 0.0432
     """Pitch along y. Measured."""
+    cells_y_m: float = -0.006
+    """Middle of the cells along y. Measured on photographs; the synthetic images of SPEED+ have it at 0."""
     antenna_root_radius_m: float = 0.023
     """Antennas taper to their tips. Measured."""
     antenna_tip_radius_m: float = 0.019
@@ -61,7 +63,7 @@ class TangoParams:
             raise InputError(
                 f"Tango's panel needs at least one row and column, found {self.cell_rows} x {self.cell_columns}"
             )
-        if self.cell_rows * self.cell_length_m > 2 * self.panel_half_width_m:
+        if 0.5 * self.cell_rows * self.cell_length_m + abs(self.cells_y_m) > self.panel_half_width_m:
             raise InputError(f"{self.cell_rows} rows of cells do not fit on Tango's panel; lower cell_rows")
         columns = self.cell_columns * self.cell_width_m + self.strip_m / 2 + abs(self.strip_x_m)
         if columns > self.half_length_m:
@@ -77,7 +79,7 @@ class TangoParams:
         return self.height_m - self.panel_thickness_m
 
 
-_SIGNED = {"box_low_y_m", "strip_x_m"}
+_SIGNED = {"box_low_y_m", "strip_x_m", "cells_y_m"}
 
 ANTENNA_TIPS_M: tuple[Point, Point, Point] = (
     (-0.5427, 0.4877, 0.2535),

@@ -26,7 +26,7 @@ def structure(p: TangoParams) -> list[Piece]:
 
 def _cells(p: TangoParams) -> list[Piece]:
     """Two fields of cells; the cropped corners of both point to +y on the -x field and to -y on the other."""
-    y0 = -0.5 * p.cell_rows * p.cell_length_m
+    y0 = p.cells_y_m - 0.5 * p.cell_rows * p.cell_length_m
     pieces: list[Piece] = []
     for side in (-1, 1):
         edge = p.strip_x_m + side * p.strip_m / 2
