@@ -43,7 +43,7 @@ class TangoParams:
     """Rows of cells along y. Counted."""
     cell_columns: int = 4
     """Columns of cells on each side of the strip. Counted."""
-    cell_width_m: float = 0.083
+    cell_width_m: float = 0.0825
     """Pitch along x. Measured."""
     cell_length_m: float = 0.0432
     """Pitch along y. Measured."""
