@@ -17,6 +17,7 @@ from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.keypoint_rcnn.predict import predict
 from proxnav.detection.keypoint_rcnn.weights import load_network
 from proxnav.learning.rcnn_validation import fresh_frames
+from proxnav.missions import load_mission
 
 
 def main() -> None:
@@ -30,7 +31,7 @@ def main() -> None:
     rows = {"8 bit weights, torch": load_network(options.model / "keypoint-rcnn.safetensors")[0]}
     if options.weights is not None:
         rows["float32 weights, torch"] = load_network(options.weights)[0]
-    images = [frame.image for frame in fresh_frames("space-rider", options.frames, 512)]
+    images = [frame.image for frame in fresh_frames(load_mission("observation-10-100m"), options.frames, 512)]
     config = DetectConfig(min_score=0.0)
     points = np.array([exported.predict(image, config).pixels for image in images])
     for name, network in rows.items():

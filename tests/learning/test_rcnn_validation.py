@@ -63,7 +63,7 @@ def test_frames_are_drawn_once(frames, network, monkeypatch):
 
 
 def test_fresh_frames_carry_their_pose():
-    (frame,) = fresh_frames("space-rider", 1, 64)
+    (frame,) = fresh_frames(load_mission("observation-10-100m"), 1, 64)
     assert frame.image.shape == (128, 128)
     assert 9.0 < np.linalg.norm(frame.T_cam_target.t_m) < 101.0
 

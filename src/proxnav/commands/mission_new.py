@@ -6,9 +6,11 @@ from typing import Annotated, Literal
 
 import tyro
 
+from proxnav.cli.options import CalibrationOptions
+
 
 @dataclass(frozen=True)
-class MissionNewConfig:
+class MissionNewConfig(CalibrationOptions):
     """Writes a mission file; what is needed and not given is asked for at a terminal."""
 
     out: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")]
@@ -32,7 +34,6 @@ class MissionNewConfig:
 def run(config: MissionNewConfig) -> None:
     """Asks, checks, writes."""
     from proxnav.cli.ask import ask, ask_range
-    from proxnav.cli.options import camera_from
     from proxnav.errors import InputError
     from proxnav.missions.draft import Answers, draft
     from proxnav.storage.files import check_new_file, write_atomic
@@ -45,7 +46,7 @@ def run(config: MissionNewConfig) -> None:
     camera = config.camera or Path(ask("calibration file of the camera", "--camera"))
     range_m = config.range_m or ask_range("least and most distance to the target [m]", "--range-m")
     answers = Answers(
-        config.out.stem, target, load_target(target).radius_m, camera_from(camera), config.sensor, range_m,
+        config.out.stem, target, load_target(target).radius_m, config.camera_from(camera), config.sensor, range_m,
         config.roll_deg, config.attitude, config.phase_deg,
     )  # fmt: skip
     mission, text = draft(answers)
