@@ -41,6 +41,8 @@ class CalibrationSigma:
         d(pixels)/d(ln f) are the pixels from the principal point, whatever the lens.
         """
         out = np.zeros((*from_axis_px.shape, N_CALIBRATION))
+        if self.is_exact:
+            return out
         out[..., 0] = self.focal * from_axis_px
         out[..., 0, 1] = out[..., 1, 2] = self.principal_px
         return out

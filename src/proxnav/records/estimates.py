@@ -70,6 +70,10 @@ class Keypoints:
         )
 
 
+NO_MOVES = frozen(np.zeros((6, 3)), (6, 3), "calibration_moves")
+"""What the errors of a camera that is taken as exact do to a pose."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseResult:
     """A pose with its covariance, or the reason why there is none."""
@@ -82,7 +86,7 @@ class PoseResult:
     """Which of the given points the pose rests on."""
     reprojection_rms_px: float = float("nan")
     """Root mean square reprojection error over the inliers [px]."""
-    calibration_moves: Float[np.ndarray, "6 calibration=3"] = field(default_factory=lambda: np.zeros((6, 3)))
+    calibration_moves: Float[np.ndarray, "6 calibration=3"] = field(default_factory=lambda: NO_MOVES)
     """(dt, dr) by one standard deviation of each error of the camera's calibration: focal length, principal point along
     x and y. The covariance holds them; they are the same in every image."""
     trust: Trust | None = None
@@ -92,8 +96,9 @@ class PoseResult:
         object.__setattr__(self, "inliers", frozen(self.inliers, (None,), "inliers", bool))
         if self.covariance is not None:
             object.__setattr__(self, "covariance", frozen(self.covariance, (6, 6), "covariance"))
-        moves = frozen(self.calibration_moves, (6, 3), "calibration_moves")
-        object.__setattr__(self, "calibration_moves", moves)
+        if self.calibration_moves is not NO_MOVES:
+            moves = frozen(self.calibration_moves, (6, 3), "calibration_moves")
+            object.__setattr__(self, "calibration_moves", moves)
 
     @staticmethod
     def failure(status: PoseStatus, n_points: int) -> "PoseResult":

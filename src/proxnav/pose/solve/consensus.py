@@ -122,7 +122,7 @@ def _weights(data: Correspondences, scale: float) -> tuple[PixelInformation, Pix
     info, gate_info, ray_info = np.empty((3, len(data.X), 3))
     covariances = data.covariances if scale == 1.0 else data.covariances * scale**2
     weigh(data.xy, covariances, _WEIGHT_FLOOR_PX2, _GATE_FLOOR_PX2, data.lens, info, gate_info, ray_info)
-    if data.calibration_px.any():  # the gate lets pass what the camera's own errors may do
+    if data.calibration_px is not None:  # the gate lets pass what the camera's own errors may do
         wider = covariances + data.calibration_px @ np.swapaxes(data.calibration_px, -1, -2)
         weigh(data.xy, wider, _WEIGHT_FLOOR_PX2, _GATE_FLOOR_PX2, data.lens, np.empty_like(info), gate_info, ray_info)
     return info, gate_info, ray_info

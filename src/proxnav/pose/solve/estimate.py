@@ -22,6 +22,7 @@ from proxnav.pose.solve.intake import Correspondences, as_flags, correspondences
 from proxnav.pose.solve.intrinsics import intrinsics_moves
 from proxnav.pose.solve.noise import fit_at_unknown_noise
 from proxnav.records import PoseResult
+from proxnav.records.estimates import NO_MOVES
 
 _DEFAULTS = PoseConfig()
 _FAR_APART = 16.0  # squared 4 sigma: a rival closer than this is covered by the covariance
@@ -80,7 +81,8 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
     if config.inflation == "residual":
         covariance = covariance * max(1.0, reduced)
     inliers = as_flags(len(data.keep), np.flatnonzero(data.keep)[fit.use])
-    covariance = covariance + moves @ moves.T
+    if moves is not NO_MOVES:
+        covariance = covariance + moves @ moves.T
     return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data), moves)
 
 

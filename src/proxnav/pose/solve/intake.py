@@ -36,8 +36,8 @@ class Correspondences:
     lens: Float[np.ndarray, "lens=18"]
     image_px2: float
     """Area of the image."""
-    calibration_px: Float[np.ndarray, "used 2 calibration=3"]
-    """Movement of the pixels by one standard deviation of each error of the camera's calibration."""
+    calibration_px: Float[np.ndarray, "used 2 calibration=3"] | None
+    """Movement of the pixels by one standard deviation of each error of the calibration; None where it is exact."""
 
 
 def correspondences(
@@ -65,7 +65,8 @@ def correspondences(
         points, pixels, xy, covariances, label = (a[keep] for a in (points, pixels, xy, covariances, label))
         places = len(set(label.tolist()))
     centroid = points.sum(axis=0) / max(len(points), 1)
-    moves = camera.calibration_sigma.moves(pixels - (camera.cx, camera.cy))
+    sigma = camera.calibration_sigma
+    moves = None if sigma.is_exact else sigma.moves(pixels - (camera.cx, camera.cy))
     return Correspondences(
         points - centroid, pixels, xy, covariances, keep, label, places, centroid, lens, size[0] * size[1], moves
     )

@@ -4,11 +4,12 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.geometry import Camera, Pose
-from proxnav.geometry.calibration import N_CALIBRATION, pose_moves
+from proxnav.geometry.calibration import pose_moves
 from proxnav.geometry.pose_jacobian import pose_jacobian
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.consensus import Fit, robust_weights
 from proxnav.pose.solve.intake import Correspondences
+from proxnav.records.estimates import NO_MOVES
 
 Moves = Float[np.ndarray, "6 calibration=3"]
 """(dt [m], dr [rad]) of the pose by one standard deviation of each error of the calibration."""
@@ -19,7 +20,7 @@ def intrinsics_moves(
 ) -> tuple[Moves, float]:
     """(movement of the pose, mean sum of squared normalised errors that the pose cannot take up); zeros if exact."""
     if camera.calibration_sigma.is_exact:
-        return np.zeros((6, N_CALIBRATION)), 0.0
+        return NO_MOVES, 0.0
     points = data.X[fit.use] + data.centroid
     J = pose_jacobian(T_cam_target, points, camera)
     a, b, c = fit.info[fit.use].T
