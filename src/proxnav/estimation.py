@@ -1,5 +1,6 @@
 """Estimating many images, or scenes that are ray-cast for it, over processes or machines: one frame a job."""
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,12 +9,12 @@ from proxnav.cluster.carried import Carried
 from proxnav.cluster.jobs import POOL, is_elsewhere, run_anywhere
 from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.detection.sessions import Backend
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.images.codecs import decode_image, read_image_file
-from proxnav.models.loading import carried_model
+from proxnav.models.loading import carried_model, load_model
 from proxnav.records import Keypoints, PoseResult, SceneSpec, Sky
 from proxnav.targets import Target
 
@@ -89,6 +90,13 @@ def estimate_images(
         found[path] = answer
         done()
     return [found[path][0] for path in images], [found[path][1] for path in images]
+
+
+def note_other_target(model: str, shown: str) -> None:
+    """Says, as an `InputNote`, that a data set shows another target than the model knows."""
+    known = load_model(model).card.target
+    if known != shown:
+        warnings.warn(f"the set shows {shown}, the model knows {known}; give its --model", InputNote, stacklevel=2)
 
 
 def _content(path: Path) -> Sent:

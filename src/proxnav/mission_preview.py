@@ -28,7 +28,7 @@ def write_sheet(path: Path, scenes: Sequence[SceneSpec], target: Target, done: C
     for scene in scenes:
         tiles.append(caption(contact_sheet([_square(make(_small(scene)).image)], 1, _SIDE_PX), _lines(scene)))
         done()
-    write_atomic(path, encode_png(contact_sheet(tiles, COLUMNS, _SIDE_PX)))
+    write_atomic(path, encode_png(contact_sheet(tiles, min(COLUMNS, len(tiles)), _SIDE_PX)))
 
 
 def _small(scene: SceneSpec) -> SceneSpec:

@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -107,3 +108,9 @@ def test_fish_lines_name_every_command_and_choice() -> None:
     assert "-a 'view'" in text
     assert "-l save" in text
     assert re.search(r"from train && __fish_seen_subcommand_from heatmap' -l p -x -a 'a'", text)
+
+
+def test_two_words_for_the_mission_are_one_too_many(capsys) -> None:
+    assert main(["render", "--mission", "study", "--preset", "spiral-10-100m", "--out", "nowhere"]) == 1
+    assert "give one of them" in capsys.readouterr().err
+    assert not Path("nowhere").exists()

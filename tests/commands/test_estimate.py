@@ -1,6 +1,7 @@
 """`proxnav estimate` on folders as people have them: damaged pictures, mixed sizes, deep colour."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import pytest
 from proxnav.cli.main import main
 from proxnav.datasets.formats.speed_poses import read_poses
 from proxnav.datasets.image_folders import find_images
-from proxnav.errors import InputError
+from proxnav.errors import InputError, InputNote
+from proxnav.estimation import note_other_target
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera
 from proxnav.geometry.camera_files import speed_json
@@ -65,3 +67,11 @@ def test_a_data_set_cannot_name_pictures_outside_itself(folder):
     (folder / "annotations.json").write_text(json.dumps(document))
     with pytest.raises(InputError, match="leads out of"):
         find_images(folder)
+
+
+def test_a_set_of_another_craft_than_the_model_knows_is_said():
+    with pytest.warns(InputNote, match="shows craft, the model knows space-rider"):
+        note_other_target("space-rider", "craft")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        note_other_target("space-rider", "space-rider")

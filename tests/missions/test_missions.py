@@ -197,3 +197,15 @@ def test_a_camera_as_usual_is_written_as_it_always_was() -> None:
     assert set(tomllib.loads(mission_toml(OBSERVATION))["camera"]) <= {
         "width", "height", "fx", "fy", "cx", "cy", "distortion", "sensor",
     }  # fmt: skip
+
+
+def test_a_roll_beyond_half_a_turn_is_refused() -> None:
+    mission = load_mission("observation-10-100m")
+    with pytest.raises(InputError, match="roll_deg needs 0 to 180"):
+        replace(mission, view=replace(mission.view, roll_deg=400.0))
+
+
+def test_an_unknown_key_is_answered_with_all_known_ones() -> None:
+    content = tomllib.loads(mission_toml(load_mission("observation-10-100m")))
+    with pytest.raises(InputError, match=r"unknown key 'port'; name, target, frames.*view"):
+        parse_mission(content | {"port": "nose"}, "tour")

@@ -9,8 +9,8 @@ from typing import Any
 from proxnav.cli.commands import COMMANDS, Command, Group
 
 _HELP = {"-h", "--help"}
-_RESUMABLE = {"demo", "render", "train", "benchmark", "setup"}
-_EXTRAS = {"torch": "train", "torchvision": "train", "lightning": "train"}
+_RESUMABLE = {"demo", "learn", "render", "train", "benchmark", "setup"}
+_EXTRAS = dict.fromkeys(("torch", "torchvision", "lightning", "lightning_fabric", "onnx"), "train")
 """What is imported without being caught where it is used, and the extra that brings it."""
 
 
@@ -106,6 +106,7 @@ def _call(command: Command, name: str, argv: list[str]) -> None:
     if {*_HELP, FULL} & set(argv):
         return explain(kind, name, FULL in argv)
     _refuse_renamed(command, argv)
+    _refuse_both(argv)
     if not any("://" in word for word in argv):
         return function(parsed(kind, argv, name))
     from proxnav.cli.remote import localised
@@ -120,6 +121,15 @@ def _refuse_renamed(command: Command, argv: list[str]) -> None:
     for former, present in command.renamed.items():
         if any(word == former or word.startswith((f"{former}=", f"{former}.")) for word in argv):
             raise InputError(f"{former} is now {present}")
+
+
+def _refuse_both(argv: list[str]) -> None:
+    """--preset is another word for --mission: one command line has one mission."""
+    from proxnav.errors import InputError
+
+    given = [word.split("=")[0] for word in argv]
+    if "--mission" in given and "--preset" in given:
+        raise InputError("--mission and --preset are two words for one thing; give one of them")
 
 
 def _overview() -> str:

@@ -58,7 +58,7 @@ def run(config: ConvertConfig) -> None:
     from proxnav.trajectories.conversion import FORMATS, convert_trajectory, is_trajectory
 
     if config.to not in (*FORMATS, *conversion.FORMATS):
-        raise InputError(f"--to {config.to}: one of {', '.join((*conversion.FORMATS, *FORMATS))}")
+        raise InputError(f"--to {config.to}: expected one of {', '.join((*conversion.FORMATS, *FORMATS))}")
     if not config.source:
         raise InputError("no SOURCE; give a data set, a file of poses, or the files of a trajectory")
     source = config.source[0]

@@ -28,15 +28,18 @@ def run(config: EstimateConfig) -> None:
     from proxnav.cli.progress import progress, say_when_compiling
     from proxnav.datasets.formats.speed_poses import write_poses
     from proxnav.datasets.image_folders import camera_beside, find_images
+    from proxnav.datasets.set.dataset import Dataset
     from proxnav.datasets.skies import read_skies
     from proxnav.errors import InputError
-    from proxnav.estimation import estimate_images
+    from proxnav.estimation import estimate_images, note_other_target
     from proxnav.storage.files import check_new_file
 
     check_new_file(config.out)
     images, skies = find_images(config.input), {} if config.sky is None else read_skies(config.sky)
     if config.sky is not None and not any(path.name in skies for path in images):
         raise InputError(f"--sky {config.sky}: names none of the {len(images)} images; give their file names")
+    if (config.input / "target.json").is_file():
+        note_other_target(config.model, Dataset(config.input).target_name)
     camera = config.camera_or(lambda: camera_beside(config.input))
     say_when_compiling("pose")
     with progress("estimate", len(images)) as done:

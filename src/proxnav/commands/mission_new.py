@@ -28,7 +28,7 @@ class MissionNewConfig(CalibrationOptions):
     phase_deg: float = 110.0
     """Largest angle at the target between Sun and camera."""
     sensor: str = "speed-class"
-    """speed-class or cmv4000-class, either also with -colour: docs/sensor.md"""
+    """Name of the image sensor, such as speed-class, cmv4000-class or speedplus-class: docs/sensor.md"""
 
 
 def run(config: MissionNewConfig) -> None:

@@ -20,6 +20,7 @@ class MissionShowConfig:
     drawn: int = 200
     """Frames that the shares of light are counted on."""
     seed: int = 0
+    """Same seed, same frames."""
 
 
 def run(config: MissionShowConfig) -> None:

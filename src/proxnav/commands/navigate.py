@@ -43,6 +43,8 @@ def run(config: NavigateConfig) -> None:
     from proxnav.solutions import SolutionOptions, flights_in, solve_flight, solve_flights
     from proxnav.targets.loading import load_target
 
+    if not config.records.is_dir():
+        raise InputError(f"{config.records}: no such folder; give the records of a flight, as simulate writes them")
     flights = flights_in(config.records)
     if not config.step_s > 0.0:
         raise InputError(f"--step-s must be positive, found {config.step_s:g}")

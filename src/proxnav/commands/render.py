@@ -14,12 +14,12 @@ from proxnav.rendering.config import FrameConfig, Renderer
 
 @dataclass(frozen=True)
 class RenderConfig(MissionOptions, TrajectoryOptions, CameraOptions, WorkerOptions, DryRunOptions):
-    """Renders labelled images into a data set folder; the same command resumes. What is None is the mission's."""
+    """Renders labelled images into a data set folder; the same command resumes. What is not given is the mission's."""
 
     out: Path
     """Folder of the data set."""
     sensor: str | None = None
-    """speed-class or cmv4000-class, either also with -colour."""
+    """Name of the image sensor, such as speed-class, cmv4000-class or speedplus-class: docs/sensor.md"""
     particles: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
     """Particles per cm2 and s: 3 in quiet, 100 to 1000 in the South Atlantic."""
     textures: Textures | None = None

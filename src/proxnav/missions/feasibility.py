@@ -58,6 +58,12 @@ class Feasibility:
         head = f"{'range [m]':>9}  {'target [px]':>11}  {'lateral [m]':>11}  {'depth [m]':>9}  {'attitude [deg]':>14}"
         lines = ["best possible accuracy (Cramer-Rao bound, visible keypoints known to 1 px):"]
         lines += [f"{head}  {'keypoints':>9}", *map(_row, self.rows), ""]
+        blind = [row.range_m for row in self.rows if not np.isfinite(row.lateral_m)]
+        if blind:
+            lines[-1:] = [
+                f"at {', '.join(f'{range_m:.3g}' for range_m in blind)} m most views show too few keypoints",
+                "",
+            ]
         sun = np.degrees(self.sun_from_axis_rad)
         closest = "" if np.isnan(sun) else f"; the Sun comes within {sun:.0f} deg of the camera's axis"
         dark = f"{100 * self.umbra:.0f} % in Earth's shadow, {100 * self.penumbra:.0f} % in its half-shadow"

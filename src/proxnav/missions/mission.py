@@ -131,6 +131,9 @@ class Mission:
     def __post_init__(self) -> None:
         if self.frames < 1:
             raise InputError(f"mission {self.name}: frames must be at least 1, found {self.frames}")
+        roll = self.view.roll_deg
+        if roll != "any" and not 0.0 <= roll <= 180.0:
+            raise InputError(f'mission {self.name}: view.roll_deg needs 0 to 180 deg or "any", found {roll:g}')
         for name, (low, high) in (("light.phase_deg", self.light.phase_deg), ("looks.textures", self.looks.textures)):
             if not 0.0 <= low <= high:
                 raise InputError(f"mission {self.name}: {name} needs 0 <= least <= most, found {low:g} and {high:g}")

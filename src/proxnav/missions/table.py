@@ -22,8 +22,9 @@ def from_table(kind: type[T], table: Any, where: str, base: T | None = None, kno
     names = [field.name for field in fields(kind) if field.name not in known]  # pyright: ignore
     for key in table:
         if key not in names:
-            near = get_close_matches(key, names, 1)
-            raise InputError(f"{where}: unknown key '{key}'; {f'did you mean {near[0]}' if near else ', '.join(names)}")
+            keys = [*names, *known]
+            near = get_close_matches(key, keys, 1)
+            raise InputError(f"{where}: unknown key '{key}'; {f'did you mean {near[0]}' if near else ', '.join(keys)}")
     values = {key: _typed(value, hints[key], f"{where}: {key}") for key, value in table.items()}
     if base is not None:
         return replace(base, **values)  # pyright: ignore
