@@ -31,6 +31,18 @@ def main(argv: list[str] | None = None) -> int:
     return _run(argv[0], argv[1:])
 
 
+def console() -> int:
+    """`main` for the shell: after Ctrl-C, when all is saved, no worker is waited for.
+
+    Python would first let them finish what they draw, a minute or more, of which nothing is kept.
+    """
+    status = main()
+    if status == 130 and "multiprocessing" in sys.modules:
+        for worker in sys.modules["multiprocessing"].active_children():
+            worker.terminate()
+    return status
+
+
 def _run(name: str, argv: list[str]) -> int:
     from proxnav.errors import InputError
 
