@@ -23,7 +23,7 @@ SIDE_PX = 224
 _MARGIN = 1.25
 """Side of the square over the longer side of the target's box."""
 _ALTITUDE_M = 400e3
-"""Of the craft over Earth, which sets how much of the sky Earth fills; its light is a rough one anyway."""
+"""Altitude of the target, which sets how much of the sky Earth fills; its light is a rough one anyway."""
 
 
 @dataclass(frozen=True)
