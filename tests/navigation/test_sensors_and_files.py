@@ -1,5 +1,6 @@
 """Sensor models have the statistics that they claim; records survive the disc, and bad ones are refused or counted."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from proxnav.benchmarks.error_memory import (
     pose_memory,
 )
 from proxnav.cli.main import main
+from proxnav.datasets.sensor_records.plausibility import check_together
 from proxnav.datasets.sensor_records.record_files import read_records, write_records
 from proxnav.errors import InputError
 from proxnav.flight.attitude_motion import WobbleConfig, wobble
@@ -25,7 +27,11 @@ from proxnav.flight.sensors.star_tracker import StarTrackerConfig, read_star_tra
 from proxnav.flight.truth import Truth
 from proxnav.flight.truth_files import read_truth, true_states, write_truth
 from proxnav.geometry import quaternion, so3
-from proxnav.records import KeypointData, SensorRecords
+from proxnav.geometry.camera_files import speed_json
+from proxnav.geometry.celestial import EARTH_RATE
+from proxnav.navigation.config import NavigationConfig
+from proxnav.navigation.filter_setup import setup_of
+from proxnav.records import Antennas, KeypointData, SensorRecords
 from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
 
 
@@ -171,7 +177,16 @@ def test_records_come_back_as_they_were(folder: Path) -> None:
     _, records = fly(seconds=30.0)
     read = read_records(folder)
     assert read.rejected == {}
-    for name in ("ephemeris", "gyro", "accelerometer", "gnss", "star_tracker", "keypoints", "poses"):
+    for name in (
+        "ephemeris",
+        "gyro",
+        "accelerometer",
+        "gnss",
+        "star_tracker",
+        "keypoints",
+        "poses",
+        "chaser_ephemeris",
+    ):
         ours, theirs = getattr(records, name), getattr(read.records, name)
         for field in ours.__dataclass_fields__:
             assert np.array_equal(getattr(ours, field), getattr(theirs, field), equal_nan=True), (name, field)
@@ -218,17 +233,13 @@ def test_units_wrong_by_a_thousand_are_one_sentence(
 ) -> None:
     edit(folder / f"{name}.csv", scaled(column, factor))
     assert main(["navigate", str(folder), "--camera", str(camera_file(folder))]) == 1
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert name in error or "poses" in error
+    error = [line for line in capsys.readouterr().err.splitlines() if not line.startswith("first use")]
+    assert len(error) == 1
+    assert name in error[0] or "poses" in error[0]
     assert not (folder / "solution.csv").exists()
 
 
 def camera_file(folder: Path) -> Path:
-    import json
-
-    from proxnav.geometry.camera_files import speed_json
-
     path = folder / "camera.json"
     path.write_text(json.dumps(speed_json(CAMERA)))
     return path
@@ -238,6 +249,52 @@ def test_a_missing_column_is_named(folder: Path) -> None:
     edit(folder / "gyro.csv", lambda header, table: ([h.replace("rate_y_rad_s", "wy") for h in header], table))
     with pytest.raises(InputError, match=r"gyro\.csv: column rate_y_rad_s is missing"):
         read_records(folder)
+
+
+def test_antennas_come_from_the_records_or_the_options_and_are_asked_for_otherwise(folder: Path) -> None:
+    about = json.loads((folder / "records.json").read_text())
+    assert about["antennas"] == {"chaser_cam_m": [0.0, -0.15, -0.1], "target_target_m": [-2.0, 0.0, -1.2]}
+    here = read_records(folder).records
+    given = setup_of(here, points(), CAMERA, NavigationConfig()).antennas
+    assert given == Antennas((0.0, -0.15, -0.1), (-2.0, 0.0, -1.2))
+    by_hand = NavigationConfig(chaser_antenna_cam_m=(1.0, 0.0, 0.0), target_antenna_target_m=(0.0, 0.0, 0.0))
+    assert setup_of(here, points(), CAMERA, by_hand).antennas == Antennas((1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    with pytest.raises(
+        InputError, match=r"records\.json does not say where these sit: add antennas there, or give --f"
+    ):
+        setup_of(replace(here, antennas=None), points(), CAMERA, NavigationConfig())
+    assert setup_of(replace(here, antennas=None), points(), CAMERA, NavigationConfig(gnss=False)).antennas is None
+    with pytest.raises(InputError, match="two ends"):
+        NavigationConfig(chaser_antenna_cam_m=(1.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"frame": "TEME"}, "must be those of J2000"), ({"antennas": {"chaser_cam_m": [0, 0, 0]}}, "antennas needs"),
+        ({"antennas": {"chaser_cam_m": [0, 0], "target_target_m": [0, 0, 0]}}, "three numbers"),
+    ],
+)  # fmt: skip
+def test_records_of_another_frame_or_with_half_an_antenna_are_one_sentence(
+    change: dict, sentence: str, folder: Path
+) -> None:
+    path = folder / "records.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | change))
+    with pytest.raises(InputError, match=sentence):
+        read_records(folder)
+
+
+def test_an_ephemeris_in_axes_that_turn_with_earth_or_with_velocities_of_other_axes_is_refused() -> None:
+    _, records = fly(seconds=120.0)
+    e = records.ephemeris
+    turn = quaternion.exp(np.array([0.0, 0.0, -EARTH_RATE]) * e.t[:, None])
+    fixed = quaternion.rotate(turn, e.r_eci_m)
+    seen = quaternion.rotate(turn, e.v_eci_mps) - np.cross([0.0, 0.0, EARTH_RATE], fixed)
+    check_together(records)
+    with pytest.raises(InputError, match=r"ephemeris\.csv: its velocities change otherwise than by Earth's gravity"):
+        check_together(replace(records, ephemeris=replace(e, r_eci_m=fixed, v_eci_mps=seen)))
+    with pytest.raises(InputError, match=r"ephemeris\.csv: its velocities differ from the rates of its positions by 7"):
+        check_together(replace(records, ephemeris=replace(e, v_eci_mps=seen)))
 
 
 def test_a_missing_file_is_named(folder: Path) -> None:

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from proxnav.flight.sensors.detector import DetectorConfig, read_keypoints, read_poses
-from proxnav.flight.sensors.ephemeris import read_ephemeris
+from proxnav.flight.sensors.ephemeris import read_chaser_ephemeris, read_ephemeris
 from proxnav.flight.sensors.gnss import CARRIER_GNSS, CODE_GNSS, read_gnss
 from proxnav.flight.sensors.inertial import AccelerometerConfig, GyroConfig, read_accelerometer, read_gyro
 from proxnav.flight.sensors.star_tracker import StarTrackerConfig, read_star_tracker
@@ -58,13 +58,15 @@ def sense(
 
     What is not known of the camera is drawn once: keypoints and poses are those of a camera that differs from it.
     """
-    for_keypoints, for_ephemeris, for_gyro, for_forces, for_gnss, for_stars, for_poses = rng.spawn(7)
+    for_keypoints, for_ephemeris, for_gyro, for_forces, for_gnss, for_stars, for_poses, for_chaser = rng.spawn(8)
     errors = rng.normal(size=N_CALIBRATION) if not camera.calibration_sigma.is_exact else np.zeros(N_CALIBRATION)
     keypoints = read_keypoints(truth, target, camera, config.detector, for_keypoints, errors)
     gnss = _GRADES.get(config.gnss)
     return SensorRecords(
         epoch_utc=truth.epoch_utc,
         ephemeris=read_ephemeris(truth, for_ephemeris),
+        chaser_ephemeris=read_chaser_ephemeris(truth, for_chaser) if gnss else None,
+        antennas=gnss.antennas if gnss else None,
         gyro=read_gyro(truth, config.gyro, for_gyro) if config.gyro else None,
         accelerometer=read_accelerometer(truth, config.accelerometer, for_forces) if config.accelerometer else None,
         gnss=read_gnss(truth, gnss, for_gnss) if gnss else None,

@@ -7,7 +7,7 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
-from proxnav.records.navigation import CHASER_ANTENNA_CAM_M, TARGET_ANTENNA_TARGET_M
+from proxnav.records.navigation import Antennas
 from proxnav.records.scene import Triple
 
 CONTROL_DAMPING = 0.7
@@ -91,9 +91,22 @@ class NavigationConfig:
     always: as naive fusion does, for comparison; do not use it.
     """
     noise: FilterNoise = field(default_factory=FilterNoise)
-    chaser_antenna_cam_m: Triple = CHASER_ANTENNA_CAM_M
-    target_antenna_target_m: Triple = TARGET_ANTENNA_TARGET_M
+    chaser_antenna_cam_m: Triple | None = None
+    """Where the chaser's GNSS antenna sits, camera axes [m]; None: as records.json says."""
+    target_antenna_target_m: Triple | None = None
+    """Where the target's GNSS antenna sits, target axes [m]; None: as records.json says."""
 
     def __post_init__(self) -> None:
+        if (self.chaser_antenna_cam_m is None) != (self.target_antenna_target_m is None):
+            raise InputError(
+                "a GNSS baseline has two ends: give chaser_antenna_cam_m and target_antenna_target_m, or neither"
+            )
         if not (self.held.sigma_deg > 0.0 and self.held.period_s > 0.0):
             raise InputError("held.sigma_deg and held.period_s must be positive")
+
+    @property
+    def antennas(self) -> Antennas | None:
+        """Ends of the GNSS baseline, where they are given here."""
+        if self.chaser_antenna_cam_m is None or self.target_antenna_target_m is None:
+            return None
+        return Antennas(self.chaser_antenna_cam_m, self.target_antenna_target_m)

@@ -18,7 +18,7 @@ from proxnav.navigation.kernels.keypoints import LASTING, NEW
 from proxnav.navigation.kernels.orbit import orbit_at
 from proxnav.navigation.layout import Layout
 from proxnav.navigation.process_noise import CAMERA_TAU, noise_vector
-from proxnav.records import SensorRecords
+from proxnav.records import Antennas, SensorRecords
 
 R_RIC_LVLH = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """LVLH: x along the flight, y against the orbit's normal, z to nadir."""
@@ -48,8 +48,8 @@ class FilterSetup:
     points_m: Points
     """Keypoints of the target, target axes."""
     ephemeris: Ephemeris
-    chaser_antenna_cam_m: Vector3
-    target_antenna_target_m: Vector3
+    antennas: Antennas | None
+    """Ends of the GNSS baseline; without them no fix of GNSS can be taken."""
     has_gyro: bool
     R_ric_held: Rotation3x3
     """Attitude that a controlled target holds."""
@@ -78,6 +78,16 @@ class FilterSetup:
         """How long the camera's errors last."""
         return float(self.noise[CAMERA_TAU])
 
+    @property
+    def arms_m(self) -> tuple[Vector3, Vector3]:
+        """The chaser's antenna in camera axes and the target's in target axes [m]. InputError where nobody says."""
+        if self.antennas is None:
+            raise InputError(
+                "a GNSS fix measures from antenna to antenna, but nobody says where these sit: give antennas, or leave "
+                "GNSS out"
+            )
+        return np.array(self.antennas.chaser_cam_m), np.array(self.antennas.target_target_m)
+
     def control(self, t: float) -> Float[np.ndarray, "5 3"]:
         """How the target's attitude is controlled at `t`, see `ControlRows`; zeros for a free target."""
         out, config = np.zeros((5, 3)), self.config.held
@@ -100,7 +110,7 @@ class FilterSetup:
 
 def filter_setup(
     ephemeris: Ephemeris, points_m: Points, camera: Camera, config: NavigationConfig, has_gyro: bool,
-    sigma_in_poses: CalibrationSigma | None = None,
+    sigma_in_poses: CalibrationSigma | None = None, antennas: Antennas | None = None,
 ) -> FilterSetup:  # fmt: skip
     """What a run needs besides its readings; poses hold what the camera leaves open unless told otherwise.
 
@@ -117,8 +127,7 @@ def filter_setup(
         camera=camera.undistorted(), real_camera=camera,
         sigma_in_poses=camera.calibration_sigma if sigma_in_poses is None else sigma_in_poses,
         points_m=points, ephemeris=_in_order(ephemeris),
-        chaser_antenna_cam_m=np.array(config.chaser_antenna_cam_m),
-        target_antenna_target_m=np.array(config.target_antenna_target_m), has_gyro=gyro,
+        antennas=config.antennas or antennas, has_gyro=gyro,
         R_ric_held=R_RIC_LVLH @ quaternion.to_matrix(np.array(config.held.q_lvlh_target)), inertia=np.array(inertia),
         shares=shares, noise=noise_vector(config, gyro, n_calibration), frame_gates=frame_gates(2 * len(points)),
     )  # fmt: skip
@@ -137,9 +146,15 @@ def setup_of(
             f"the keypoints number {records.keypoints.pixels.shape[1]} but the target has {len(points_m)}: "
             "give the target whose points the detector finds"
         )
+    if records.gnss is not None and config.gnss and not (config.antennas or records.antennas):
+        raise InputError(
+            "gnss.csv measures from antenna to antenna, but records.json does not say where these sit: add antennas "
+            "there, or give --filter.chaser-antenna-cam-m and --filter.target-antenna-target-m, or --filter.no-gnss"
+        )
     e = records.ephemeris
     ephemeris = Ephemeris(e.t, e.r_eci_m, e.v_eci_mps)
-    return filter_setup(ephemeris, points_m, camera, config, records.gyro is not None, sigma_in_poses)
+    has_gyro, antennas = records.gyro is not None, records.antennas
+    return filter_setup(ephemeris, points_m, camera, config, has_gyro, sigma_in_poses, antennas)
 
 
 def _in_order(ephemeris: Ephemeris) -> Ephemeris:

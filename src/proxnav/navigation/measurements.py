@@ -108,7 +108,7 @@ def take_gnss(belief: Tracking, fix: GnssFix, setup: FilterSetup) -> tuple[Track
     """Baseline between the antennas and its rate. A row of refusals: the GNSS bias starts anew."""
     _, _, R_eci_ric, rate = setup.orbit(belief.t)
     rate_cam = belief.memory.gyro.rate_cam if setup.has_gyro else _NO_RATE
-    H, h = gnss_model(belief.x, R_eci_ric, rate, rate_cam, setup.chaser_antenna_cam_m, setup.target_antenna_target_m)
+    H, h = gnss_model(belief.x, R_eci_ric, rate, rate_cam, *setup.arms_m)
     y = np.concatenate([fix.position_m, fix.velocity_mps]) - h
     R = np.diag(np.repeat(np.square((fix.sigma_position_m, fix.sigma_velocity_mps)), 3))
     e, P, nis = joseph(belief.P, SEEN_BY_GNSS, H, R, y)

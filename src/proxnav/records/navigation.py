@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.geometry.arrays import frozen
+from proxnav.records.scene import Triple
 
 NavStatus = Literal["waiting", "tracking", "coasting", "lost"]
 """waiting: no pose yet; tracking: camera accepted lately; coasting: predicted; lost: measurements contradict it."""
@@ -33,11 +34,6 @@ class NavBlocks(NamedTuple):
 
 NAV_ERRORS = NavBlocks(slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12))
 
-CHASER_ANTENNA_CAM_M = (0.0, -0.15, -0.1)
-"""Where the chaser's GNSS antenna sits unless told otherwise, camera axes [m]."""
-TARGET_ANTENNA_TARGET_M = (-2.0, 0.0, -1.2)
-"""Where the target's GNSS antenna sits unless told otherwise, target axes [m]."""
-
 
 def _freeze(record: object, n: int, shapes: dict[str, tuple[int | None, ...]]) -> None:
     for f in fields(record):  # type: ignore[arg-type]
@@ -46,9 +42,22 @@ def _freeze(record: object, n: int, shapes: dict[str, tuple[int | None, ...]]) -
             object.__setattr__(record, f.name, value)
 
 
+@dataclass(frozen=True, slots=True)
+class Antennas:
+    """Between which two points a GNSS baseline is measured."""
+
+    chaser_cam_m: Triple
+    """The chaser's antenna, camera axes from the camera's centre."""
+    target_target_m: Triple
+    """The target's antenna, target axes from the origin of the target's keypoints."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class EphemerisData:
-    """Where the target is, from its operator or its own receiver: defines RIC; errors of 100 m are harmless."""
+    """Where a craft is, from its operator or its own receiver, ECI axes (J2000).
+
+    That of the target defines RIC: errors of 100 m are harmless.
+    """
 
     t: Float[np.ndarray, "n"]
     r_eci_m: Float[np.ndarray, "n 3"]
@@ -154,6 +163,10 @@ class SensorRecords:
     star_tracker: StarTrackerData | None = None
     keypoints: KeypointData | None = None
     poses: PoseData | None = None
+    chaser_ephemeris: EphemerisData | None = None
+    """Where the chaser itself is; the filter does not need it, the monitor compares frames and clocks by it."""
+    antennas: Antennas | None = None
+    """Ends of the GNSS baseline."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

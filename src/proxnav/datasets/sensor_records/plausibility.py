@@ -8,10 +8,14 @@ from jaxtyping import Bool, Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
-from proxnav.records import SensorRecords
+from proxnav.geometry.celestial import MU_EARTH
+from proxnav.records import EphemerisData, SensorRecords
 
 Rows = Float[np.ndarray, "n n_columns"]
 """Values of a table, row by row."""
+_ORBIT_STEP_S = 20.0  # s between the rows that are compared, at least: noise of single rows counts less
+_MOST_CHORD_ERROR = 0.02
+_MOST_PULL_ERROR = 0.05
 _LEAST_TURN = 3e-4  # rad/s; below it gyro and star tracker have nothing to be compared by
 
 
@@ -60,6 +64,9 @@ def _inside(path: str, columns: Sequence[str], rows: Rows, prefix: str, limits: 
 def check_together(records: SensorRecords) -> None:
     """InputError when sensors disagree by a factor that only a wrong unit explains, or share no time."""
     _check_times(records)
+    for name in ("ephemeris", "chaser_ephemeris"):
+        if (orbit := getattr(records, name)) is not None:
+            _check_orbit(name, orbit)
     _check_gyro(records)
     _check_ranges(records)
 
@@ -67,7 +74,7 @@ def check_together(records: SensorRecords) -> None:
 def _check_times(records: SensorRecords) -> None:
     spans = {
         name: (float(data.t.min()), float(data.t.max()))
-        for name in ("gyro", "accelerometer", "gnss", "star_tracker", "keypoints", "poses")
+        for name in ("gyro", "accelerometer", "gnss", "star_tracker", "keypoints", "poses", "chaser_ephemeris")
         if (data := getattr(records, name)) is not None
     }
     low, high = float(records.ephemeris.t.min()), float(records.ephemeris.t.max())
@@ -77,6 +84,32 @@ def _check_times(records: SensorRecords) -> None:
                 f"{name}.csv covers t = {first:g} to {last:g} s but ephemeris.csv {low:g} to {high:g} s: "
                 "times must be seconds since the epoch of records.json"
             )
+
+
+def _check_orbit(name: str, orbit: EphemerisData) -> None:
+    """Velocities are the rates of the positions, and their changes are gravity."""
+    order = np.argsort(orbit.t)
+    t, r, v = orbit.t[order], orbit.r_eci_m[order], orbit.v_eci_mps[order]
+    step = int(np.searchsorted(t, t[0] + _ORBIT_STEP_S))
+    dt = t[step:] - t[: len(t) - step]
+    near = (dt > 0.5 * _ORBIT_STEP_S) & (dt < 5.0 * _ORBIT_STEP_S)
+    if step == 0 or not near.any():
+        return
+    (r0, r1), (v0, v1), dt = (r[:-step][near], r[step:][near]), (v[:-step][near], v[step:][near]), dt[near, None]
+    wrong = np.linalg.norm((r1 - r0) / dt - 0.5 * (v0 + v1), axis=1) / np.linalg.norm(v0, axis=1)
+    if np.median(wrong) > _MOST_CHORD_ERROR:
+        raise InputError(
+            f"{name}.csv: its velocities differ from the rates of its positions by {100 * np.median(wrong):.0f} %: "
+            "check that both are in the same axes and units"
+        )
+    middle = 0.5 * (r0 + r1)
+    pull = -MU_EARTH * middle / np.linalg.norm(middle, axis=1, keepdims=True) ** 3
+    wrong = np.linalg.norm((v1 - v0) / dt - pull, axis=1) / np.linalg.norm(pull, axis=1)
+    if np.median(wrong) > _MOST_PULL_ERROR:
+        raise InputError(
+            f"{name}.csv: its velocities change otherwise than by Earth's gravity, by {100 * np.median(wrong):.0f} %: "
+            "axes that turn with Earth do that; give it in ECI (J2000) axes"
+        )
 
 
 def _check_gyro(records: SensorRecords) -> None:

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from proxnav.datasets.sensor_records.plausibility import Range, Rows
 from proxnav.records import (
     AccelerometerData,
+    Antennas,
     EphemerisData,
     GnssData,
     GyroData,
@@ -49,6 +50,10 @@ TABLES = {
         (_T, vector_columns("r_eci", "m"), vector_columns("v_eci", "mps")),
         {"r_eci": Range(6.4e6, 5e7, "m"), "v_eci": Range(1e3, 1.2e4, "m/s")},
     ),
+    "chaser_ephemeris": Table(
+        (_T, vector_columns("r_eci", "m"), vector_columns("v_eci", "mps")),
+        {"r_eci": Range(6.4e6, 5e7, "m"), "v_eci": Range(1e3, 1.2e4, "m/s")},
+    ),
     "gyro": Table((_T, vector_columns("rate", "rad_s")), {"rate": Range(1e-6, 0.3, "rad/s")}),
     "accelerometer": Table(
         (_T, vector_columns("force", "mps2"), ("thrust",)), {"force": Range(0.0, 0.3, "m/s^2", row=50.0)}
@@ -76,7 +81,7 @@ TABLES = {
 
 _SIMPLE = {
     "ephemeris": EphemerisData, "gyro": GyroData, "accelerometer": AccelerometerData, "gnss": GnssData,
-    "star_tracker": StarTrackerData,
+    "star_tracker": StarTrackerData, "chaser_ephemeris": EphemerisData,
 }  # fmt: skip
 """Records whose fields are the blocks of their table."""
 
@@ -94,7 +99,7 @@ def rows_of(records: SensorRecords) -> dict[str, Rows]:
     return rows
 
 
-def records_of(epoch_utc: str, rows: Mapping[str, Rows]) -> SensorRecords:
+def records_of(epoch_utc: str, rows: Mapping[str, Rows], antennas: Antennas | None = None) -> SensorRecords:
     """Inverse of `rows_of`; the ephemeris must be there."""
     parts = {name: TABLES[name].split(table) for name, table in rows.items()}
     data: dict[str, Any] = {name: _SIMPLE[name](*blocks) for name, blocks in parts.items() if name in _SIMPLE}
@@ -103,7 +108,7 @@ def records_of(epoch_utc: str, rows: Mapping[str, Rows]) -> SensorRecords:
     if "poses" in parts:
         t, received, q, position, upper = parts["poses"]
         data["poses"] = PoseData(t, received, q, position, _symmetric(upper))
-    return SensorRecords(epoch_utc, **data)
+    return SensorRecords(epoch_utc, **data, antennas=antennas)
 
 
 def _keypoint_rows(data: KeypointData) -> Rows:

@@ -9,8 +9,7 @@ from proxnav.flight.sensors.gauss_markov import gauss_markov
 from proxnav.flight.truth import Truth
 from proxnav.geometry import quaternion
 from proxnav.geometry.types import QuatWxyz, Vector3
-from proxnav.records import GnssData
-from proxnav.records.navigation import CHASER_ANTENNA_CAM_M, TARGET_ANTENNA_TARGET_M
+from proxnav.records import Antennas, GnssData
 from proxnav.records.scene import Triple
 
 _RATE_HZ = 1.0
@@ -36,8 +35,15 @@ class GnssConfig:
     """Below this range the target's body blocks and reflects..."""
     outage_share: float = 0.5
     """... and this share of the time there is no fix."""
-    chaser_antenna_cam_m: Triple = CHASER_ANTENNA_CAM_M
-    target_antenna_target_m: Triple = TARGET_ANTENNA_TARGET_M
+    chaser_antenna_cam_m: Triple = (0.0, -0.15, -0.1)
+    """Where the chaser's antenna sits, camera axes."""
+    target_antenna_target_m: Triple = (-2.0, 0.0, -1.2)
+    """Where the target's antenna sits, target axes."""
+
+    @property
+    def antennas(self) -> Antennas:
+        """Ends of the baseline, as records tell them."""
+        return Antennas(self.chaser_antenna_cam_m, self.target_antenna_target_m)
 
 
 CODE_GNSS = GnssConfig()
