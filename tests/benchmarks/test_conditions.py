@@ -10,15 +10,13 @@ from proxnav.benchmarks.conditions import (
     blurred,
     conditions,
     is_before_earth,
-    noisier,
     storm,
-    sun_in_lens,
-    without_target,
 )
 from proxnav.geometry.perturbation import moved
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 from proxnav.records import PoseResult
+from proxnav.trials.scene_changes import noisier, sun_in_lens, without_target
 
 MISSION = load_mission("observation-10-100m")
 SCENE = draw_scenes(MISSION, 1, seed=4)[0]

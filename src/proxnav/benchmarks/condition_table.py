@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.benchmarks.conditions import Change, conditions, is_before_earth, without_target
+from proxnav.benchmarks.conditions import Change, conditions, is_before_earth
 from proxnav.cluster.jobs import POOL, run_anywhere
 from proxnav.cluster.progress import Progress, silent
 from proxnav.detection.sessions import Backend
@@ -20,6 +20,7 @@ from proxnav.models.loading import carried_model
 from proxnav.records import PoseResult, SceneSpec
 from proxnav.scenes.random_scene import RandomSceneConfig, random_scene
 from proxnav.targets.loading import load_target
+from proxnav.trials.scene_changes import without_target
 
 Answer = tuple[SceneSpec, PoseResult]
 _EMPTY = "no target"

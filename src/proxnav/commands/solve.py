@@ -37,6 +37,7 @@ def run(config: SolveConfig) -> None:
     from proxnav.datasets.formats.speed_poses import write_poses
     from proxnav.pose.solve.images import check_counts, solve_images
     from proxnav.pose.solve.keypoint_files import read_keypoints
+    from proxnav.records.estimates import REASONS
     from proxnav.storage.files import check_new_file
     from proxnav.targets.named_points import target_points
 
@@ -50,5 +51,6 @@ def run(config: SolveConfig) -> None:
         records = solve_images(keypoints, points_m, camera, config.pose, done)
     write_poses(config.out, records)
     statuses = Counter(record.status for record in records)
-    others = "".join(f", {count} {status}" for status, count in statuses.items() if status != "ok")
-    print(f"{statuses['ok']} poses from {len(records)} images in {config.out}{others.replace(',', ';', 1)}")
+    print(f"{statuses.pop('ok', 0)} poses from {len(records)} images in {config.out}")
+    for status, count in statuses.most_common():
+        print(f"  {count} {status}: {REASONS.get(status, 'no pose')}")

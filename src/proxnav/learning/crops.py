@@ -22,6 +22,7 @@ from proxnav.missions.views import accepted_views
 from proxnav.records import NOT_IN_IMAGE, SceneSpec, SensorSpec, TextureSpec, Window
 from proxnav.rendering.raycast import RaycastRenderer
 from proxnav.rendering.raycast.config import QUICK
+from proxnav.scenes.plain import BEHIND_M
 from proxnav.scenes.random_scene import random_scene
 from proxnav.sensor.expose import expose
 from proxnav.sensor.presets import draw_sensor
@@ -29,8 +30,6 @@ from proxnav.targets import Target
 from proxnav.targets.keypoints.visibility import visible_keypoints
 from proxnav.targets.loading import load_target
 
-BEHIND_M = (0.0, 0.0, -50.0)
-"""Position of a target behind the camera, which leaves the picture to the sky, camera axes [m]."""
 _MARGINS = (1.05, 1.6)
 """Side of the crop over the longer side of the box, uniform in between: the finder is not exact."""
 _SHIFT = 0.12

@@ -13,11 +13,11 @@ from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.geometry.types import Image
 from proxnav.learning.alignment_calibration import KEPT, Samples, calibrated
-from proxnav.learning.crops import BEHIND_M
 from proxnav.missions import Mission
 from proxnav.missions.scenes import draw_scenes
 from proxnav.pose.align import AlignConfig
 from proxnav.records import SceneSpec
+from proxnav.scenes.plain import BEHIND_M
 
 _SEED = 8_000_001
 _EMPTY_SEED = 8_000_003

@@ -11,8 +11,28 @@ from proxnav.geometry.arrays import frozen
 from proxnav.geometry.types import Box
 
 DetectionStatus = Literal["ok", "no_target", "bad_image"]
-PoseStatus = Literal["ok", "too_few_points", "no_consensus", "behind_camera", "no_target", "bad_image", "unlike_render"]
-"""unlike_render: the picture does not show what the pose predicts under the Sun that was given."""
+PoseStatus = Literal[
+    "ok", "too_few_points", "no_consensus", "behind_camera", "mirrored_points", "other_pixels", "no_target",
+    "bad_image", "unlike_render", "other_craft", "ambiguous", "outside_mission", "camera_suspect",
+]  # fmt: skip
+"""Whether there is a pose, or why there is none: `REASONS` says it in words."""
+REASONS: dict[str, str] = {
+    "too_few_points": "fewer than four keypoints at distinct places",
+    "no_consensus": "the keypoints agree on no pose, or on two",
+    "behind_camera": "the keypoints fit a craft behind the camera: is the sign of an axis wrong?",
+    "mirrored_points": "the keypoints agree as a mirror image only: are x and y exchanged, does an axis count from the "
+    "other side, or are left and right points named the other way round?",
+    "other_pixels": "the keypoints are no pixels of this camera: shares of the image in [0, 1], or pixels of a crop? "
+    "Scale and shift them to the full image first",
+    "no_target": "the picture does not show the target",
+    "bad_image": "the picture cannot be read or is blank",
+    "unlike_render": "the picture does not show what the pose predicts",
+    "other_craft": "the picture shows another craft, or the target changed",
+    "ambiguous": "another pose explains the picture nearly as well",
+    "outside_mission": "the pose lies outside of what the model was made for",
+    "camera_suspect": "the poses of a sequence say that the camera is not as its calibration",
+}
+"""One sentence for each status but ok."""
 Verdict = Literal["verified", "contradicted", "not_verifiable"]
 
 
@@ -89,6 +109,9 @@ class PoseResult:
     calibration_moves: Float[np.ndarray, "6 calibration=3"] = field(default_factory=lambda: NO_MOVES)
     """(dt, dr) by one standard deviation of each error of the camera's calibration: focal length, principal point along
     x and y. The covariance holds them; they are the same in every image."""
+    p_value: float = float("nan")
+    """Chance that honest keypoints, occluded ones among them, leave residuals as large as all of these; NaN without a
+    pose."""
     trust: Trust | None = None
     """Evidence about the pose; None where the Sun was not given and nothing was compared."""
 

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.compiled import rotations
 from proxnav.geometry.perturbation import ROTATION
+from proxnav.pose.solve.chance import residual_chance
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.consensus import (
     Fit,
@@ -20,9 +21,10 @@ from proxnav.pose.solve.consensus import (
 )
 from proxnav.pose.solve.intake import Correspondences, as_flags, correspondences
 from proxnav.pose.solve.intrinsics import intrinsics_moves
+from proxnav.pose.solve.misreadings import is_mirrored, is_normalised, is_of_a_crop
 from proxnav.pose.solve.noise import fit_at_unknown_noise
 from proxnav.records import PoseResult
-from proxnav.records.estimates import NO_MOVES
+from proxnav.records.estimates import NO_MOVES, PoseStatus
 
 _DEFAULTS = PoseConfig()
 _FAR_APART = 16.0  # squared 4 sigma: a rival closer than this is covered by the covariance
@@ -55,12 +57,21 @@ def estimate_pose(
     data = correspondences(points_target_m, points_px, camera, covariances_px2, scores, config)
     if data.places < config.min_inliers:
         return PoseResult.failure("too_few_points", len(data.keep))
+    if is_normalised(data):
+        return PoseResult.failure("other_pixels", len(data.keep))
     noise_unknown = covariances_px2 is None
     fit = fit_at_unknown_noise(data, config) if noise_unknown else fit_consensus(data, 1.0, config)
     if fit is None or not agrees(fit, data, config):
-        behind = seen_from_behind(data, config)
-        return PoseResult.failure("behind_camera" if behind else "no_consensus", len(data.keep))
+        return PoseResult.failure(_why_none(fit, data, camera, noise_unknown, config), len(data.keep))
     return _judged(fit, data, camera, noise_unknown, config)
+
+
+def _why_none(
+    fit: Fit | None, data: Correspondences, camera: Camera, noise_unknown: bool, config: PoseConfig
+) -> PoseStatus:
+    if seen_from_behind(data, config):
+        return "behind_camera"
+    return "mirrored_points" if is_mirrored(fit, data, camera, noise_unknown, config) else "no_consensus"
 
 
 def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool, config: PoseConfig) -> PoseResult:
@@ -78,12 +89,17 @@ def _judged(fit: Fit, data: Correspondences, camera: Camera, noise_unknown: bool
         return PoseResult.failure("no_consensus", len(data.keep))
     if _belongs_behind(fit, data, config):
         return PoseResult.failure("behind_camera", len(data.keep))
+    if is_mirrored(fit, data, camera, noise_unknown, config):
+        return PoseResult.failure("mirrored_points", len(data.keep))
+    if is_of_a_crop(fit, data, T_cam_target, camera):
+        return PoseResult.failure("other_pixels", len(data.keep))
     if config.inflation == "residual":
         covariance = covariance * max(1.0, reduced)
     inliers = as_flags(len(data.keep), np.flatnonzero(data.keep)[fit.use])
     if moves is not NO_MOVES:
         covariance = covariance + moves @ moves.T
-    return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data), moves)
+    p_value = residual_chance(fit.d2(data), fit.use, noise_unknown)
+    return PoseResult("ok", T_cam_target, covariance, inliers, rms_px(fit, data), moves, p_value)
 
 
 def _belongs_behind(fit: Fit, data: Correspondences, config: PoseConfig) -> bool:
