@@ -14,7 +14,7 @@ from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.images.codecs import decode_image, read_image_file
-from proxnav.models.loading import carried_model, load_model
+from proxnav.models.loading import carried_model, load_card
 from proxnav.records import Keypoints, PoseResult, SceneSpec, Sky
 from proxnav.targets import Target
 
@@ -94,7 +94,7 @@ def estimate_images(
 
 def note_other_target(model: str, shown: str) -> None:
     """Says, as an `InputNote`, that a data set shows another target than the model knows."""
-    known = load_model(model).card.target
+    known = load_card(model).target
     if known != shown:
         warnings.warn(f"the set shows {shown}, the model knows {known}; give its --model", InputNote, stacklevel=2)
 

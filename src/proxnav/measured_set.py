@@ -10,7 +10,7 @@ from proxnav.detection.sessions import Backend
 from proxnav.estimation import estimate_images
 from proxnav.evaluation.judgement import Judgement, judge
 from proxnav.frames import FrameConfig
-from proxnav.models.loading import load_model
+from proxnav.models.loading import load_card
 from proxnav.records import SceneSpec
 from proxnav.rendered_set import render
 from proxnav.viewing.run_writer import write_run
@@ -24,7 +24,7 @@ def measure_set(
 
     `options` is the dataclass that the run was asked with, which config.json keeps.
     """
-    points_m = load_model(model, backend).card.keypoints_m
+    points_m = load_card(model).keypoints_m
     with progress("render", len(scenes)) as done:
         dataset = render(scenes, frames, out / name, workers, done, on)
     images = dataset.image_paths

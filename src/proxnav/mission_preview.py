@@ -14,19 +14,21 @@ from proxnav.records import SceneSpec
 from proxnav.rendering.config import FrameConfig
 from proxnav.storage.files import write_atomic
 from proxnav.targets import Target
-from proxnav.viewing.overlay import caption, contact_sheet
+from proxnav.viewing.overlay import caption, contact_sheet, overlay
 
 COLUMNS = 4
 _SIDE_PX = 320
 
 
 def write_sheet(path: Path, scenes: Sequence[SceneSpec], target: Target, done: Callable[[], None]) -> None:
-    """Writes the scenes' frames as one PNG, each with its range and phase angle; `done` is called after each."""
+    """Writes the scenes' frames as one PNG, each with its keypoints, range and phase; `done` is called after each."""
     if path.suffix.lower() != ".png":
         raise InputError(f"--out {path}: the sheet is a picture; name it .png")
     make, tiles = FrameJob(target, FrameConfig("raycast"))(), []
     for scene in scenes:
-        tiles.append(caption(contact_sheet([_square(make(_small(scene)).image)], 1, _SIDE_PX), _lines(scene)))
+        small = _small(scene)
+        labelled = overlay(make(small).image, small.camera, None, small.T_cam_target, target.keypoints_m)
+        tiles.append(caption(contact_sheet([_square(labelled)], 1, _SIDE_PX), _lines(scene)))
         done()
     write_atomic(path, encode_png(contact_sheet(tiles, min(COLUMNS, len(tiles)), _SIDE_PX)))
 

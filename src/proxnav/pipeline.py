@@ -9,7 +9,7 @@ from proxnav.evaluation.judgement import Judgement, judge
 from proxnav.frames import FrameConfig
 from proxnav.missions import MISSION, Mission, fly_mission, write_mission
 from proxnav.missions.scenes import follow
-from proxnav.models.loading import load_model
+from proxnav.models.loading import load_card
 from proxnav.rendered_set import render
 from proxnav.viewing.run_writer import write_report, write_run
 
@@ -22,7 +22,7 @@ def run(
 
     `options` is the dataclass that the run was asked with, which config.json keeps. The same call resumes.
     """
-    points_m = load_model(model).card.keypoints_m
+    points_m = load_card(model).keypoints_m
 
     trajectory = fly_mission(mission)
 

@@ -1,6 +1,7 @@
 """Many frames in few numbers."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from proxnav.geometry import Pose
 
 CONTRACT = (
     "frames", "poses", "mean_e_t_m", "mean_e_t_norm_m", "mean_e_r_deg", "mean_e_tn", "mean_e_c", "median_e_r_deg",
-    "p95_e_r_deg", "median_e_t_norm_m",
+    "p95_e_r_deg", "median_e_t_norm_m", "hazardous",
 )  # fmt: skip
 
 
@@ -45,6 +46,18 @@ def test_means_by_hand_and_frames_without_a_pose_are_counted() -> None:
     assert s.mean_e_c == pytest.approx(0.05 + np.radians(61.0))
     assert s.median_e_t_norm_m == pytest.approx(0.75)
     assert s.statuses == {"ok": 2, "no_consensus": 1}
+
+
+@pytest.mark.parametrize(
+    ("z_m", "turn_deg", "sigma", "hazardous"),
+    [(10.0, 1.0, 1.0, 0), (10.0, 6.0, 1.0, 1), (10.6, 0.0, 1.0, 1), (10.0, 1.0, 1e-3, 1), (10.0, 1.0, None, 0)],
+)
+def test_a_pose_is_hazardous_by_its_size_or_by_what_it_claims(
+    z_m: float, turn_deg: float, sigma: float | None, hazardous: int
+) -> None:
+    covariance = None if sigma is None else sigma**2 * np.eye(6)
+    estimate = replace(at("a", [0.0, 0.0, z_m], turn_deg), covariance=covariance)
+    assert summarise({"a": estimate}, {"a": at("a", [0.0, 0.0, 10.0])}).hazardous == hazardous
 
 
 def test_an_image_that_the_estimates_do_not_know_is_missing() -> None:

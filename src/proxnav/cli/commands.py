@@ -49,6 +49,7 @@ BENCHMARK = {
     "render": Command("images per second, ray caster and Cycles", "benchmark_render"),
     "detector": Command("how long the detector's errors last along the spiral", "benchmark_detector"),
     "scale": Command("frames per second over workers, by processes and by Ray", "benchmark_scale"),
+    "speedplus": Command("poses on SPEED+ images, with the scores of its challenges", "benchmark_speedplus"),
     "navigation": Command("the filter's consistency, accuracy, faults and speed", "benchmark_navigation"),
 }
 

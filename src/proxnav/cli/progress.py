@@ -71,5 +71,5 @@ def say_when_compiling(*rooms: str) -> None:
     for room in rooms:
         folder = Path(__file__).parents[1] / room
         if not os.environ.get("NUMBA_CACHE_DIR") and next(folder.rglob("*.nbi"), None) is None:
-            takes = "once; this takes half a minute or more"
+            takes = "once; this takes a minute or more"
             print(f"first use: compiling the kernels of {room}, {takes}", file=sys.stderr)

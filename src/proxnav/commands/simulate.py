@@ -42,6 +42,7 @@ def run(config: SimulateConfig) -> None:
     from proxnav.flights import FlightPlan, flight_text, fly_many, write_flight
     from proxnav.missions import MISSION, fly_mission, write_mission
     from proxnav.missions.changes import along
+    from proxnav.missions.daylight import seen_at_all
     from proxnav.models.loading import carried_model
     from proxnav.targets.loading import load_target
     from proxnav.trajectories.selection import clip_time
@@ -50,6 +51,8 @@ def run(config: SimulateConfig) -> None:
         raise InputError(f"--runs must be at least 1 and --seed at least 0, found {config.runs} and {config.seed}")
     mission = along(config.read_mission(), config.trajectory, config.reader)
     reference = clip_time(fly_mission(mission), config.start_s, config.duration_s)
+    if config.detector == "raycast":
+        seen_at_all(reference)
     plan = FlightPlan(
         reference,
         load_target(mission.target),

@@ -50,7 +50,7 @@ def run(config: TargetNewConfig) -> None:
     """Makes the target, writes it, and says what deserves a second look."""
     from functools import partial
 
-    from proxnav.cli.ask_unit import ask_unit
+    from proxnav.cli.ask import ask_unit
     from proxnav.missions import load_mission
     from proxnav.pose.solve.best_accuracy import accuracy_table
     from proxnav.targets.cad.file_frames import frame_places

@@ -48,11 +48,11 @@ def table1(summary: Summary) -> str:
 
 def range_table(bins: Mapping[tuple[float, float], Summary]) -> str:
     """One row per range bin."""
-    rows = [["range [m]", "poses", "E_T [m]", "E_TN", "E_R [deg]", "median E_R", "E_C", "half turns"]]
+    rows = [["range [m]", "poses", "E_T [m]", "E_TN", "E_R [deg]", "median E_R", "E_C", "half turns", "hazardous"]]
     for (near, far), s in bins.items():
         numbers = (s.mean_e_t_norm_m, s.mean_e_tn, s.mean_e_r_deg, s.median_e_r_deg, s.mean_e_c)
         cells = [f"{number:.4g}" for number in numbers]
-        rows.append([f"{near:g}-{far:g}", f"{s.poses}/{s.frames}", *cells, str(s.half_turns)])
+        rows.append([f"{near:g}-{far:g}", f"{s.poses}/{s.frames}", *cells, str(s.half_turns), str(s.hazardous)])
     return _aligned(rows)
 
 
@@ -86,7 +86,7 @@ def _coverage(s: Summary) -> str:
     share = 100.0 * s.poses / s.frames
     return (
         f"{s.poses} poses in {s.frames} frames ({share:.1f} %); without a pose: {without or 'none'}; "
-        f"half-turn confusions (E_R > 90 deg): {s.half_turns}"
+        f"half-turn confusions (E_R > 90 deg): {s.half_turns}; hazardous: {s.hazardous}"
     )
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from scipy.stats import chi2
 
 from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
@@ -12,6 +13,9 @@ from proxnav.geometry import Pose
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.geometry.pose_errors import PoseErrors, pose_errors
+
+HAZARDOUS_RAD, HAZARDOUS_TN = np.radians(5.0), 0.05
+HAZARDOUS_NEES = chi2.ppf(0.9999, 6)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +56,16 @@ class PairedFrame:
         if self.T_est is None or self.covariance is None:
             return float("nan")
         return float(squared_mahalanobis(self.difference, self.covariance))
+
+    @property
+    def is_hazardous(self) -> bool:
+        """Whether a filter that takes the pose as it claims to be is misled: off by more than 5 deg or 0.05 of the
+        range, or outside the ellipsoid that holds all but one in ten thousand of honest errors.
+        """
+        if self.errors is None:
+            return False
+        large = self.errors.e_r_rad > HAZARDOUS_RAD or self.errors.e_tn > HAZARDOUS_TN
+        return bool(large or self.nees > HAZARDOUS_NEES)
 
 
 def pair(estimates: Mapping[str, PoseRecord], truth: Mapping[str, PoseRecord]) -> tuple[PairedFrame, ...]:

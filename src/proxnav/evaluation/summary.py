@@ -36,6 +36,8 @@ class Summary:
     median_e_c: float
     half_turns: int
     """Poses whose attitude error exceeds 90 deg."""
+    hazardous: int
+    """Poses that would mislead a filter, by size or by the covariance that they claim."""
     intervals: Mapping[str, tuple[float, float]]
     """95 % bootstrap intervals of the means, by the name of the mean."""
     combined: Mapping[str, float]
@@ -72,6 +74,7 @@ def summarise_frames(frames: Sequence[PairedFrame]) -> Summary:
         p95_e_t_norm_m=_percentile(norm, 95.0),
         median_e_c=_percentile(columns["mean_e_c"], 50.0),
         half_turns=sum(e.e_r_rad > HALF_TURN_RAD for e in errors),
+        hazardous=sum(frame.is_hazardous for frame in frames),
         intervals={name: mean_interval(values) for name, values in columns.items()},
         combined={name: _mean(np.array([score(e) for e in errors])) for name, score in COMBINED.items()},
         statuses=dict(Counter("ok" if frame.errors is not None else frame.status for frame in frames)),

@@ -4,6 +4,7 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Bool
 
 from proxnav.errors import InputError, InputNote
 from proxnav.missions.mission import Mission
@@ -24,9 +25,7 @@ def in_light(trajectory: Trajectory, mission: Mission) -> Trajectory:
     wanted = observable(trajectory, mission.scenes.sun.max_phase_rad)
     if wanted.any():
         return select(trajectory, wanted)
-    lit = observable(trajectory, _BACKLIT_RAD)
-    if not lit.any():
-        raise InputError(_all_dark(trajectory))
+    lit = seen_at_all(trajectory)
     least = np.rad2deg(trajectory.phase_rad[lit].min())
     warnings.warn(
         f"{trajectory.source}: the Sun is never within {mission.light.phase_deg[1]:g} deg from behind the camera, as "
@@ -35,6 +34,14 @@ def in_light(trajectory: Trajectory, mission: Mission) -> Trajectory:
         stacklevel=3,
     )
     return select(trajectory, lit)
+
+
+def seen_at_all(trajectory: Trajectory) -> Bool[np.ndarray, "n_instants"]:
+    """Instants at which a camera sees more than black; InputError where none is."""
+    lit = observable(trajectory, _BACKLIT_RAD)
+    if not lit.any():
+        raise InputError(_all_dark(trajectory))
+    return lit
 
 
 def eclipse_line(scenes: Sequence[SceneSpec]) -> str:

@@ -25,9 +25,12 @@ DAYLIGHT = FlightConfig(epoch_utc="2024-11-01T00:30:00Z")
 AFTERNOON = replace(DAYLIGHT, orbit=OrbitConfig(argument_of_latitude_deg=250.0))
 """Ten minutes from behind: lit throughout, the Sun 58 deg from behind the camera at first, 21 deg at last."""
 
+SUMMER = replace(DAYLIGHT, epoch_utc="2024-06-01T00:30:00Z")
+"""Epoch of the far ellipse: seen from its side of the orbit the Sun stays within 63 deg from behind the camera."""
+
 FLIGHTS: dict[str, Callable[[], Trajectory]] = {
     "spiral-10-100m": lambda: walking_safety_ellipse(OBSERVATION_10_100_STRICT, DAYLIGHT),
-    "spiral-200-350m": lambda: walking_safety_ellipse(SROC_200_350, DAYLIGHT),
+    "spiral-200-350m": lambda: walking_safety_ellipse(SROC_200_350, SUMMER),
     "approach-100-10m": lambda: straight_approach(ApproachConfig(), AFTERNOON),
     "hold-30m": lambda: hold(HoldConfig(), AFTERNOON),
 }

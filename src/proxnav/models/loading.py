@@ -48,6 +48,11 @@ def load_model(model: str | Carried, backend: Backend = "auto", threads: int = 0
     return _load(_folder(model), backend, threads)
 
 
+def load_card(model: str) -> ModelCard:
+    """The card of a shipped model or of a folder with a model.json; its networks stay closed."""
+    return _card(_folder(model))[0]
+
+
 def shipped_models() -> list[str]:
     """Names of the models in the package."""
     return sorted(path.parent.name for path in SHIPPED.glob(f"*/{CARD}"))
@@ -69,16 +74,21 @@ def _folder(name_or_path: str) -> Path:
 
 
 def _load(described: Path, backend: Backend, threads: int) -> Model:
+    card, folder = _card(described)
+    detect, detect_in = _detector(folder, card, backend, threads)
+    shape = None if card.alignment is None else _shape(folder, card)
+    return Model(card, detect, detect_in, shape, mission_in(folder))
+
+
+def _card(described: Path) -> tuple[ModelCard, Path]:
+    """The card of a model's folder, and the folder of its networks."""
     content = card_content(described)
     folder = described
     while content.get("based_on") in shipped_models():  # the networks of a shipped model, used in another way
         folder = SHIPPED / content.pop("based_on")
         content = card_content(folder) | content
     try:
-        card = card_from(content, folder)
-        detect, detect_in = _detector(folder, card, backend, threads)
-        shape = None if card.alignment is None else _shape(folder, card)
-        return Model(card, detect, detect_in, shape, mission_in(folder))
+        return card_from(content, folder), folder
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, OverflowError) as error:

@@ -22,13 +22,16 @@ def overlay(
     T_true: Pose | None = None,
     points_target_m: Points | None = None,
     keypoints: Keypoints | None = None,
-    axis_m: float = 2.0,
+    axis_m: float | None = None,
 ) -> Canvas:
     """The image as RGB with: true keypoints (green crosses), found ones with 3-sigma ellipses (yellow), body axes.
 
-    The estimated axes (x red, y green, z blue) are solid; the true ones are thin and white.
+    The estimated axes (x red, y green, z blue) are solid; the true ones are thin and white. They are `axis_m` long,
+    half of the farthest keypoint's distance from the origin where it is None.
     """
     canvas = rgb_8_bit(image)
+    if axis_m is None:
+        axis_m = 2.0 if points_target_m is None else 0.5 * float(np.linalg.norm(points_target_m, axis=1).max())
     if T_true is not None:
         if points_target_m is not None:
             for pixel in camera.project(T_true @ points_target_m):

@@ -4,6 +4,7 @@ Under torchrun each process is a rank. Gradients are averaged, so that N ranks o
 N B does; all else that decides when to stop is agreed upon, because a rank that leaves alone leaves the others waiting.
 """
 
+import logging
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -34,6 +35,7 @@ def launched(config: LoopConfig) -> Fabric:
     # A step may leave out a head (no target in any image): its weights then have no gradient in that rank.
     strategy = "ddp_find_unused_parameters_true" if ranks > 1 else "auto"
     precision = best_precision(config.precision)
+    logging.getLogger("lightning_fabric").setLevel(logging.WARNING)  # it prints the number format at every start
     fabric = Fabric(
         accelerator=config.accelerator, strategy=strategy, devices=config.devices, num_nodes=nodes, precision=precision
     )
