@@ -28,6 +28,8 @@ def test_a_scene_line_reads_back_equal():
 def test_fields_that_came_later_are_written_only_where_they_say_something():
     plain, earth = scene(), replace(scene().earth, cloud_image="/data/cloud.png")
     full = replace(plain, earth=earth, sensor=replace(plain.sensor, dead_pixel_share=1e-5))
+    full = replace(full, sun=replace(plain.sun, half_angle_rad=0.1))
+    assert "half_angle_rad" not in plain.to_json()["sun"]
     assert "cloud_image" not in plain.to_json()["earth"]
     assert "dead_pixel_share" not in plain.to_json()["sensor"]
     assert "earth" in replace(plain, earth=None).to_json()

@@ -1,6 +1,7 @@
 """Random scenes: pure in (seed, index), inside their ranges, and physically consistent."""
 
 import json
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, quaternion
 from proxnav.geometry.arrays import unit
-from proxnav.geometry.celestial import sun_visible_fraction
+from proxnav.geometry.celestial import SUN_HALF_ANGLE, sun_visible_fraction
 from proxnav.records import SceneSpec, SensorSpec
 from proxnav.scenes import RandomSceneConfig, SunConfig, ViewpointConfig, random_scene
 from proxnav.scenes.random_view import sees_earth
@@ -90,6 +91,14 @@ def test_the_visible_fraction_follows_from_the_geometry():
         r = -np.array(scene.earth.r_target_earth_m)
         expected = sun_visible_fraction(r, np.array(scene.sun.direction_target))
         assert scene.sun.visible_fraction == pytest.approx(expected, abs=1e-6)
+
+
+def test_lamps_come_in_their_share_and_leave_all_else_as_it_is():
+    plain, lit = scenes(count=80), scenes(RandomSceneConfig(sun=SunConfig(lamp_share=0.4)), count=80)
+    assert [replace(s, sun=p.sun) for s, p in zip(lit, plain, strict=True)] == plain
+    radii = np.array([s.sun.half_angle_rad for s in lit])
+    assert (radii > SUN_HALF_ANGLE).mean() == pytest.approx(0.4, abs=0.13)
+    assert radii.max() <= 0.5
 
 
 def test_the_phase_limit_keeps_the_sun_behind_the_camera():

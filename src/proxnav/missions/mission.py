@@ -54,6 +54,10 @@ class Lighting:
     """Share of frames in Earth's half-shadow."""
     umbra: float = 0.0
     """Share of frames in Earth's shadow."""
+    lamps: float = 0.0
+    """Share of the sunlit frames that a laboratory's lamp lights in place of the Sun, from where it would stand."""
+    lamp_half_angle_deg: Span = (1.0, 30.0)
+    """Angular radius of those lamps seen from the target [deg], uniform in its logarithm."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +156,7 @@ class Mission:
     def scenes(self) -> RandomSceneConfig:
         """The distribution of the mission's frames, where they are drawn one by one."""
         view, light, looks = self.view, self.light, self.looks
-        low, high = (math.radians(angle) for angle in light.phase_deg)
+        low, high = _radians(light.phase_deg)
         return RandomSceneConfig(
             view=ViewpointConfig(
                 range_m=view.range_m,
@@ -161,7 +165,7 @@ class Mission:
                 partial_share=view.partial,
                 target_radius_m=view.framing_radius_m,
             ),
-            sun=SunConfig(light.umbra, light.penumbra, min_phase_rad=low, max_phase_rad=high),
+            sun=SunConfig(light.umbra, light.penumbra, low, high, light.lamps, _radians(light.lamp_half_angle_deg)),
             tumbling_share=1.0 if view.attitude == "any" else 0.0,
             earth=looks.earth != "none",
             earth_share=None if isinstance(looks.earth, str) else looks.earth,
@@ -182,3 +186,7 @@ class Mission:
             light=replace(self.light, **light),
             looks=replace(self.looks, **looks),
         )
+
+
+def _radians(span_deg: Span) -> Span:
+    return math.radians(span_deg[0]), math.radians(span_deg[1])

@@ -8,12 +8,13 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.camera_record import camera_record
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.pointing import phase_angle
 from proxnav.records.sensor import ExposureSpec, SensorSpec
 
 VERSION = 1
 
-_LATER = (("earth", "cloud_image"), ("sensor", "dead_pixel_share"))
+_LATER = (("earth", "cloud_image", ""), ("sensor", "dead_pixel_share", 0.0), ("sun", "half_angle_rad", SUN_HALF_ANGLE))
 """Fields that are written only where they say something: sets from before they were there are still the same sets."""
 
 Triple = tuple[float, float, float]
@@ -33,6 +34,8 @@ class SunSpec:
     """1 in sunlight, 0 in umbra."""
     irradiance: Triple = SUN_IRRADIANCE
     """W/m^2 in the red, green and blue band, before `visible_fraction`."""
+    half_angle_rad: float = SUN_HALF_ANGLE
+    """Angular radius of the disc; larger for a laboratory's lamp."""
 
 
 @dataclass(frozen=True)
@@ -108,8 +111,8 @@ class SceneSpec:
     def to_json(self) -> dict[str, Any]:
         """As JSON content, with the format's version."""
         content: dict[str, Any] = {"version": VERSION} | asdict(self) | {"camera": camera_record(self.camera)}
-        for part, name in _LATER:
-            if content[part] is not None and not content[part][name]:
+        for part, name, default in _LATER:
+            if content[part] is not None and content[part][name] == default:
                 del content[part][name]
         return content
 

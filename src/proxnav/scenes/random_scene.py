@@ -16,7 +16,7 @@ from proxnav.geometry.pointing import phase_angle
 from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.records import EarthSpec, ExposureSpec, SceneSpec, SensorSpec, SunSpec, TextureSpec
 from proxnav.scenes.plain import quadruple, triple
-from proxnav.scenes.random_sun import SunConfig, draw_light, draw_sun
+from proxnav.scenes.random_sun import SunConfig, draw_light, draw_sun, with_lamp
 from proxnav.scenes.random_view import ViewpointConfig, draw_view, sees_earth
 
 DrawSensor = Callable[[np.random.Generator], SensorSpec]
@@ -83,7 +83,7 @@ def random_scene(
         camera=camera,
         q_cam_target=quadruple(T_cam_target.q_wxyz),
         t_cam_target_m=triple(T_cam_target.t_m),
-        sun=sun,
+        sun=with_lamp(geometry, sun, config.sun),
         earth=_draw_earth(looks, config, q_target_lvlh, sky[0]),
         q_target_eci=quadruple(sky[1]),
         texture=TextureSpec(strength=looks.uniform(*config.texture_strength), seed=_draw_seed(looks)),

@@ -13,6 +13,7 @@ import trimesh
 from raycast_shapes import MATT, plate, scene, target
 
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import SunSpec
 from proxnav.rendering.raycast import RaycastConfig, RaycastRenderer
 from proxnav.targets import Material
@@ -69,19 +70,22 @@ def test_the_shadow_of_a_plate_falls_where_geometry_says() -> None:
 
 
 @pytest.mark.usefixtures("even_surfaces")
-def test_a_penumbra_is_as_wide_as_the_sun() -> None:
+@pytest.mark.parametrize("half_angle", [SUN_HALF_ANGLE, 0.15])
+def test_a_penumbra_is_as_wide_as_the_sun_or_the_lamp(half_angle: float) -> None:
     wall, blocker = plate(3.0, z=0.0), plate(1.0, z=-2.0)
     blocker.apply_translation([-1.0, 0.0, 0.0])
-    camera = Camera(100, 40, 10_000.0, 10_000.0, 50.0, 20.0)  # 1 mm pixels on the wall around x = 0.5
+    pixel_m = 1e-3 * half_angle / SUN_HALF_ANGLE
+    camera = Camera(100, 40, 10.0 / pixel_m, 10.0 / pixel_m, 50.0, 20.0)  # looks at x = 0.5 on the wall
     pose = Pose.from_wxyz("cam", "target", quaternion.IDENTITY, [-0.5, 0.0, 10.0])
     spec = scene(camera, pose=pose, sun=(-0.25, 0.0, -1.0))  # the edge at x = 0 is thrown to x = 0.5
+    spec = replace(spec, sun=replace(spec.sun, half_angle_rad=half_angle))
     config = RaycastConfig(sun_samples=256)
     row = RaycastRenderer(target([wall, blocker], [MATT, MATT]), config).render(spec).radiance[20, :, 0]
-    x = (np.arange(100) + 0.5 - 50.0) * 1e-3
+    x = (np.arange(100) + 0.5 - 50.0) * pixel_m
     distance = np.hypot(2.0, 0.5)
-    half = 4.65e-3 * distance * np.hypot(1.0, 0.25)  # slant distance times half angle, on the inclined wall
+    half = half_angle * distance * np.hypot(1.0, 0.25)  # slant distance times half angle, on the inclined wall
     share = row / row[-1]
-    assert share[np.abs(x) < 1e-3].mean() == pytest.approx(0.5, abs=0.05)
+    assert share[np.abs(x) < pixel_m].mean() == pytest.approx(0.5, abs=0.05)
     # a disc cut by a straight edge: 0.8045 of it is free when the edge lies half a radius from its centre
     assert np.interp(0.5 * half, x, share) == pytest.approx(0.8045, abs=0.06)
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
-from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import RenderedFrame, SceneSpec, TextureSpec, Window
 from proxnav.rendering.cycles import lens
 from proxnav.rendering.cycles.blender import find_blender, worker_command
@@ -132,7 +131,7 @@ def render_request(scene: SceneSpec, view: Camera, scale: int, radius_m: float, 
         "view": asdict(to_blender(view)) | clip | {"matrix": matrix},
         "sun": {
             "irradiance": irradiance,
-            "diameter_rad": 2.0 * SUN_HALF_ANGLE,
+            "diameter_rad": 2.0 * scene.sun.half_angle_rad,
             "axes": axes_towards(np.array(scene.sun.direction_target)).tolist(),
         },
         "samples": -(-config.samples // scale**2),

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Float32
 
-from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import SceneSpec
 from proxnav.rendering.earth import environment_map
 from proxnav.rendering.raycast.config import RaycastConfig
@@ -14,8 +13,6 @@ from proxnav.rendering.raycast.light_cache import OFFSET_M, gather
 from proxnav.rendering.raycast.model import Model
 from proxnav.rendering.raycast.texels import TexelTable
 
-SUN_WIDENING = SUN_HALF_ANGLE**2 / 8.0
-"""Added to alpha^2: half vectors to the points of the disc scatter by half_angle^2 / 16 along each axis."""
 _NO_SKY = np.zeros((16, 32, 3), np.float32)
 
 
@@ -26,11 +23,18 @@ class Lights:
     sun: Float[np.ndarray, "3"]
     sun_irradiance: Float[np.ndarray, "3"]
     """W/m^2 at normal incidence, eclipse included."""
+    sun_half_angle: float
+    """Angular radius of the disc [rad]."""
     environment: Environment
     indirect: Float[np.ndarray, "n_cache 3"]
     """Irradiance of the light-cache points from Earth and from neighbouring surfaces."""
     sun_seen: Float[np.ndarray, "n_cache 3"]
     """1 where a light-cache point sees the Sun, else 0, for each band."""
+
+    @property
+    def sun_widening(self) -> float:
+        """Added to alpha^2: half vectors to the points of the disc scatter by half_angle^2 / 16 along each axis."""
+        return self.sun_half_angle**2 / 8.0
 
     @property
     def has_sun(self) -> bool:
@@ -54,7 +58,9 @@ def light_up(scene: SceneSpec, model: Model, textures: TexelTable, config: Rayca
     seen = _sun_seen(model, sun) if follow else np.zeros(len(model.mesh.cache_part))
     cosine = seen * np.maximum(model.mesh.cache_normal @ sun, 0.0)
     indirect = _gathered(model, textures, cosine, sun_irradiance, sky, config)
-    return Lights(sun, sun_irradiance, environment, indirect, np.repeat(seen[:, None], 3, axis=1))
+    return Lights(
+        sun, sun_irradiance, scene.sun.half_angle_rad, environment, indirect, np.repeat(seen[:, None], 3, axis=1)
+    )
 
 
 def _gathered(

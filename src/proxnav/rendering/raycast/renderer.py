@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from proxnav.geometry import Camera
-from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.records import RenderedFrame, SceneSpec, Window
 from proxnav.rendering.earth import background_image
 from proxnav.rendering.raycast import pixels as grid
@@ -19,6 +18,8 @@ from proxnav.rendering.raycast.view import BATCH, Hits, RenderView, look, probe,
 from proxnav.targets import Target
 
 _WIDEST_PENUMBRA_PX = 32
+_LAMP_RAD = 0.02
+"""Discs beyond this angular radius may soften shadows anywhere on the target."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,8 @@ def _penumbra_px(view: RenderView) -> int:
     """How far from a shadow's edge its softness may reach, at most [px]."""
     mesh = view.model.mesh
     nearest = max(float(np.linalg.norm(view.eye - mesh.centre)) - mesh.radius, 0.1)
-    return int(min(1.0 + 3.0 * SUN_HALF_ANGLE * mesh.radius / (nearest * view.pixel_rad), _WIDEST_PENUMBRA_PX))
+    widest = 1.0 + 3.0 * view.lights.sun_half_angle * mesh.radius / (nearest * view.pixel_rad)
+    return int(min(widest, _WIDEST_PENUMBRA_PX))
 
 
 def _region(model: Model, scene: SceneSpec, view: RenderView, window: Window, halo: int) -> Window | None:
@@ -132,10 +134,11 @@ def _refined(view: RenderView, hits: Hits, region: Window, halo: int) -> Bool[np
     index[hits.ray] = np.arange(len(hits.ray))
     index = index.reshape(shape)
     grid.mark_edges(index, hits.triangle, hits.position, hits.depth, mesh.normals, mesh.part, view.pixel_rad, marked)
-    if view.lights.has_sun:
-        grid.mark_penumbra(
-            index, hits.shadow, hits.blocker, hits.depth, view.pixel_rad, SUN_HALF_ANGLE, halo - 1, marked
-        )
+    half_angle = view.lights.sun_half_angle
+    if view.lights.has_sun and half_angle > _LAMP_RAD:
+        marked.ravel()[hits.ray] = True
+    elif view.lights.has_sun:
+        grid.mark_penumbra(index, hits.shadow, hits.blocker, hits.depth, view.pixel_rad, half_angle, halo - 1, marked)
     return marked.ravel()
 
 

@@ -6,12 +6,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, Int, Int8
 
 from proxnav.geometry import Camera, Pose
-from proxnav.geometry.celestial import SUN_HALF_ANGLE
 from proxnav.geometry.compiled.lens import FX, FY, lens_numbers
 from proxnav.rendering.raycast import pixels as grid
 from proxnav.rendering.raycast import shading
 from proxnav.rendering.raycast.bsdf import lobe_albedo_table
-from proxnav.rendering.raycast.lights import SUN_WIDENING, Lights
+from proxnav.rendering.raycast.lights import Lights
 from proxnav.rendering.raycast.model import Model
 from proxnav.rendering.raycast.rays import cast
 from proxnav.rendering.raycast.surface import COLUMNS, MIRROR, describe, locate
@@ -106,7 +105,7 @@ def shade(view: RenderView, hits: Hits, per_pixel: int) -> Float[np.ndarray, "n 
     radiance = np.zeros((len(hits.triangle), 3))
     shading.shade_emission(hits.triangle, mesh.part, view.textures.parts, radiance)
     if lights.has_sun:
-        shading.shade_sun(surface, lights.sun, hits.lit, lights.sun_irradiance, SUN_WIDENING, radiance)
+        shading.shade_sun(surface, lights.sun, hits.lit, lights.sun_irradiance, lights.sun_widening, radiance)
     if lights.has_ambient:
         _shade_ambient(view, hits, surface, radiance)
     return radiance
@@ -163,7 +162,7 @@ def _sun_directions(
     if steps == 0:
         return np.broadcast_to(view.lights.sun, (len(ray), 3))
     directions = np.empty((len(pixels) * per_pixel, 3))
-    grid.sun_points(pixels, per_pixel, step, steps, view.lights.sun, SUN_HALF_ANGLE, directions)
+    grid.sun_points(pixels, per_pixel, step, steps, view.lights.sun, view.lights.sun_half_angle, directions)
     return directions[ray]
 
 
