@@ -12,16 +12,18 @@ from proxnav.flight.truth import TruthConfig
 from proxnav.flight.truth_files import true_states
 from proxnav.geometry import Camera
 from proxnav.geometry.calibration import EXACT, CalibrationSigma
-from proxnav.navigation.config import NavigationConfig
+from proxnav.navigation.config import SURVEYED, NavigationConfig
 from proxnav.navigation.filter_setup import setup_of
 from proxnav.navigation.kernels.keypoints import keypoint_model
-from proxnav.navigation.layout import FRAME, E, X
+from proxnav.navigation.layout import FRAME, E, Layout, X
 from proxnav.navigation.measurements import in_target_axes, noise_of_pose
 from proxnav.navigation.navigator import run_filter
 from proxnav.navigation.readings import PoseFix
 from proxnav.targets.loading import load_target
 
 UNSURE = replace(CAMERA, calibration_sigma=CalibrationSigma(0.01, 5.0))
+TURNING = (np.eye(3), 0.0, np.zeros(3))
+"""RIC as the inertial axes, a camera that does not turn."""
 
 
 def flown(seed: int, coupling: str, camera: Camera):
@@ -29,7 +31,8 @@ def flown(seed: int, coupling: str, camera: Camera):
     sensing = SimulationConfig(TruthConfig(step_s=0.5), replace(SENSING, gnss="none"))
     rng = np.random.default_rng(seed)
     truth, records = simulate(reference(120.0), load_target("space-rider"), UNSURE, sensing, rng)
-    setup = setup_of(records, points(), camera, NavigationConfig(coupling=coupling), UNSURE.calibration_sigma)
+    config = NavigationConfig(coupling=coupling, geometry=SURVEYED)  # type: ignore[arg-type]
+    setup = setup_of(records, points(), camera, config, UNSURE.calibration_sigma)
     t = np.arange(truth.t[0] + 60.0, truth.t[-1], 10.0)
     states, _, last = run_filter(records, setup, t)
     return float(np.nanmean(nav_errors(states, true_states(truth).at(t)).nees)), last
@@ -63,14 +66,14 @@ def test_an_exact_camera_carries_no_such_states() -> None:
 
 def test_columns_of_keypoints_are_those_of_finite_differences(rng: np.random.Generator) -> None:
     lens = np.array([1407.0, 1400.0, 512.0, 500.0, 0.01, 5.0])
-    x = np.zeros(X.gnss_bias.stop + 2 * 24 + 3 + 6)
+    x = np.zeros(Layout(24, 3).n_states)
     x[X.position], x[X.q_eci_cam], x[X.q_cam_target] = (0.0, 0.0, -30.0), (1.0, 0, 0, 0), (1.0, 0, 0, 0)
     x[X.calibration] = 0.1 * rng.normal(size=3)
-    _, H = keypoint_model(x, points(), np.arange(24), np.eye(3), lens)
+    _, H = keypoint_model(x, points(), np.arange(24), TURNING, lens)
     for k in range(3):
         step = np.zeros(len(x))
         step[X.calibration.start + len(x) + k] = 1e-3
-        high, low = (keypoint_model(x + s * step, points(), np.arange(24), np.eye(3), lens)[0] for s in (1.0, -1.0))
+        high, low = (keypoint_model(x + s * step, points(), np.arange(24), TURNING, lens)[0] for s in (1.0, -1.0))
         assert H[:, FRAME.pose_error.stop + k] == pytest.approx((high - low) / 2e-3, abs=1e-6)
 
 

@@ -10,7 +10,7 @@ from scipy.linalg import solve_discrete_lyapunov
 
 from navigation.flights import CAMERA, TIGHT, points
 from navigation.orbits import target_at
-from proxnav.geometry import quaternion
+from proxnav.geometry import quaternion, so3
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
 from proxnav.geometry.relative_motion import cw_transition
@@ -21,21 +21,28 @@ from proxnav.navigation.kernels.attitude_control import CONTROL, control_acceler
 from proxnav.navigation.kernels.dynamics import advance, move
 from proxnav.navigation.kernels.error_state import corrected, relative_error, reset
 from proxnav.navigation.kernels.gnss import gnss_model
+from proxnav.navigation.kernels.gravity_gradient import gradient_transition
 from proxnav.navigation.kernels.joseph import joseph
 from proxnav.navigation.kernels.keypoints import keypoint_model, keypoint_update
+from proxnav.navigation.kernels.published import pose_errors, published
+from proxnav.navigation.kernels.seen_pose import seen_pose, true_pose
 from proxnav.navigation.layout import FRAME, N_CORE, SEEN_BY_GNSS, E, Layout, X
-from proxnav.navigation.measurements import pose_model
 from proxnav.navigation.navigator import Navigator
 from proxnav.navigation.process_noise import noise_vector
+from proxnav.records import NAV_ERRORS
 
 N_CW = 1.13e-3  # rad/s
 NONE = np.zeros(3)
+TURNING = (np.eye(3), 0.0, NONE)
+"""RIC as the inertial axes, a camera that does not turn."""
 FREE = np.zeros((5, 3))
 NO_ERRORS = np.zeros((6, 6))
 NOISE = noise_vector(TIGHT, has_gyro=True)
 LAYOUT = Layout(n_points=24)
 N = LAYOUT.n_errors
-SEEN = LAYOUT.places(E.position, E.attitudes, E.pose_error)
+CONSTANT = LAYOUT.places(E.turn_acceleration, E.geometry)
+"""Errors to which a step adds nothing, where a target is held."""
+SEEN = LAYOUT.seen_by_pose
 """Errors that keypoints and poses see, the keypoints' own apart."""
 
 
@@ -51,8 +58,19 @@ def a_state(seed: int) -> np.ndarray:
     x[X.acceleration], x[X.gnss_bias] = 1e-6 * rng.normal(size=3), rng.normal(size=3)
     x[X.point_errors] = rng.normal(size=48)
     x[X.pose_translation], x[X.pose_rotation] = 0.3 * rng.normal(size=3), 0.02 * rng.normal(size=3)
+    x[X.target_centre], x[X.chaser_centre] = 0.3 * rng.normal(size=3), 0.3 * rng.normal(size=3)
+    x[X.misalignment] = 1e-3 * rng.normal(size=3)
+    x[X.turn_acceleration] = 1e-5 * rng.normal(size=3)
     x[X.q_eci_cam] = looking_at_target(x[X.position])
     return x
+
+
+def by_block(n: int, **values: float) -> np.ndarray:
+    """A vector of n errors with one value in each block; those of the points' own and of the pose are named too."""
+    out = np.ones(n)
+    for name, value in values.items():
+        out[getattr(E, name)] = value
+    return out
 
 
 def looking_at_target(r_ric: np.ndarray) -> np.ndarray:
@@ -65,9 +83,11 @@ def looking_at_target(r_ric: np.ndarray) -> np.ndarray:
 
 def a_covariance(seed: int, n: int = N) -> np.ndarray:
     rng = np.random.default_rng(seed)
-    scale = np.concatenate([np.full(3, 0.3), np.full(3, 1e-3), np.full(6, 1e-2), np.full(3, 1e-4), np.full(3, 1e-5),
-                            np.full(3, 1e-6), np.full(3, 0.3), np.ones(n - 30), np.full(3, 0.2),
-                            np.full(3, 0.02)])  # fmt: skip
+    scale = by_block(
+        n, position=0.3, velocity=1e-3, attitudes=1e-2, rate=1e-4, gyro_bias=1e-5, acceleration=1e-6,
+        turn_acceleration=1e-6, gnss_bias=0.3, target_centre=0.1, chaser_centre=0.1, misalignment=1e-3, clock=0.1,
+        pose_error=0.02,
+    )  # fmt: skip
     A = rng.normal(size=(n, n)) / np.sqrt(n) + 0.3 * np.eye(n)
     return (A @ A.T) * np.outer(scale, scale)
 
@@ -85,9 +105,10 @@ def numerical(f, n: int, step: np.ndarray) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
-STEPS = np.concatenate([np.full(3, 1e-3), np.full(3, 1e-5), np.full(6, 1e-5), np.full(3, 1e-6), np.full(3, 1e-6),
-                        np.full(3, 1e-6), np.full(3, 1e-3), np.full(48, 1e-3), np.full(3, 1e-3),
-                        np.full(3, 1e-5)])  # fmt: skip
+STEPS = by_block(
+    N, position=1e-3, velocity=1e-5, attitudes=1e-5, rate=1e-6, gyro_bias=1e-6, acceleration=1e-6,
+    turn_acceleration=1e-6, gnss_bias=1e-3, geometry=1e-5, point_errors=1e-3, pose_error=1e-5,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -149,11 +170,11 @@ def test_a_held_target_wanders_as_far_as_it_is_said_to(dt: float) -> None:
 @pytest.mark.parametrize("seed", range(5))
 def test_keypoint_jacobian_is_the_derivative_of_the_projection(seed: int) -> None:
     x, s = a_state(seed), setup()
-    R, index = np.eye(3), np.arange(24)
-    _, H = keypoint_model(x, s.points_m, index, R, s.lens)
+    index = np.arange(24)
+    _, H = keypoint_model(x, s.points_m, index, TURNING, s.lens)
 
     def pixels(e: np.ndarray) -> np.ndarray:
-        return keypoint_model(corrected(x, e), s.points_m, index, R, s.lens)[0]
+        return keypoint_model(corrected(x, e), s.points_m, index, TURNING, s.lens)[0]
 
     found = numerical(pixels, N, STEPS)
     seen = found[:, SEEN]
@@ -161,13 +182,14 @@ def test_keypoint_jacobian_is_the_derivative_of_the_projection(seed: int) -> Non
         np.testing.assert_allclose(seen[:, block], H[:, block], rtol=1e-4, atol=1e-2)  # px per m, rad
     turns = H[:, FRAME.attitude]  # two turns in a row share a column: off by the size of the lasting one, 0.03 rad
     for block in (FRAME.attitude, FRAME.pose_rotation):
-        np.testing.assert_allclose(seen[:, block], turns, atol=0.1 * np.abs(turns).max())
+        np.testing.assert_allclose(seen[:, block], turns, atol=0.15 * np.abs(turns).max())
     np.testing.assert_allclose(np.delete(found, SEEN, axis=1), 0.0, atol=1e-6)
 
 
 def test_a_lasting_pose_error_looks_exactly_like_a_pose() -> None:
     x, s = a_state(1), setup()
-    _, H = keypoint_model(x, s.points_m, np.arange(24), np.eye(3), s.lens)
+    x[X.misalignment] = x[X.target_centre] = 0.0
+    _, H = keypoint_model(x, s.points_m, np.arange(24), TURNING, s.lens)
     R_cam_ric = quaternion.to_matrix(x[X.q_eci_cam]).T
     np.testing.assert_allclose(H[:, FRAME.position], -H[:, FRAME.pose_translation] @ R_cam_ric, atol=1e-9)
     np.testing.assert_array_equal(H[:, FRAME.attitude], H[:, FRAME.pose_rotation])
@@ -179,7 +201,7 @@ def test_predicted_pixels_are_the_cameras(seed: int) -> None:
     R = s.R_eci_ric(3.0)
     x[X.q_eci_cam] = quaternion.multiply(quaternion.from_matrix(R), x[X.q_eci_cam])
     x[X.pose_translation] = x[X.pose_rotation] = 0.0
-    h, _ = keypoint_model(x, s.points_m, np.arange(24), R, s.lens)
+    h, _ = keypoint_model(x, s.points_m, np.arange(24), (R, 0.0, NONE), s.lens)
     state = nav_state(Tracking(3.0, x, a_covariance(0), camera_t=3.0), s)
     cam = quaternion.rotate(state.q_cam_target, s.points_m) + state.t_cam_target_m
     np.testing.assert_allclose(h.reshape(-1, 2), CAMERA.project(cam), atol=1e-9)  # px
@@ -194,15 +216,52 @@ def test_gnss_and_pose_jacobians_are_derivatives(seed: int) -> None:
     found = numerical(lambda e: gnss_model(corrected(x, e), R, n, rate, own, other)[1], N, STEPS)
     np.testing.assert_allclose(found[:, SEEN_BY_GNSS], H, atol=1e-4)  # m per rad and alike
     np.testing.assert_allclose(np.delete(found, SEEN_BY_GNSS, axis=1), 0.0, atol=1e-9)
-    x[X.pose_rotation] = 0.0  # the two turns of the target share a column
-    H, _, q = pose_model(x, R)
-    found = numerical(lambda e: pose_model(corrected(x, e), R)[1], N, STEPS)
+    x[X.pose_rotation] = x[X.misalignment] = 0.0  # turns in a row share a column
+    H, _, q = seen_pose(x, R, n, rate)
+    found = numerical(lambda e: seen_pose(corrected(x, e), R, n, rate)[1], N, STEPS)
     np.testing.assert_allclose(found[:, SEEN], H[TRANSLATION], atol=1e-4)
 
     def turned(e: np.ndarray) -> np.ndarray:
-        return quaternion.log(quaternion.multiply(quaternion.conjugate(q), pose_model(corrected(x, e), R)[2]))
+        return quaternion.log(quaternion.multiply(quaternion.conjugate(q), seen_pose(corrected(x, e), R, n, rate)[2]))
 
     np.testing.assert_allclose(numerical(turned, N, STEPS)[:, SEEN], H[ROTATION], atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_late_frame_is_seen_where_the_target_was(seed: int) -> None:
+    x, s, late = a_state(seed), setup(), 0.05
+    rate = np.array([1e-3, 2e-3, -1e-3])
+    x[X.turn_acceleration] = x[X.acceleration] = x[X.pose_rotation] = 0.0
+    x[X.q_eci_cam] = quaternion.multiply(quaternion.from_matrix(s.R_eci_ric(3.0)), x[X.q_eci_cam])
+    Phi = gradient_transition(*s.ephemeris, 3.0, late)
+    after = move(x, Phi, late, rate - x[X.gyro_bias], x[X.rate], NONE, FREE, NOISE)
+    after[X.pose_translation], after[X.pose_rotation] = x[X.pose_translation], x[X.pose_rotation]
+    _, t, q = seen_pose(x, *s.turning(3.0, rate))
+    after[X.clock] = late
+    _, t_late, q_late = seen_pose(after, *s.turning(3.0 + late, rate))
+    np.testing.assert_allclose(t_late, t, atol=1e-4)  # m
+    assert quaternion.angle_between(q, q_late) < 1e-5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_published_follows_from_the_errors_by_its_derivatives(seed: int) -> None:
+    x, s, rate = a_state(seed), setup(), np.array([1e-3, 2e-3, -1e-3])
+    turning = s.turning(3.0, rate)
+    r, v, J = published(x, *turning)
+
+    def moved(e: np.ndarray) -> np.ndarray:
+        other = published(corrected(x, e), *turning)
+        return np.concatenate([other[0] - r, other[1] - v])
+
+    n = J.shape[1]
+    np.testing.assert_allclose(numerical(moved, N, STEPS)[:, :n], J[:6], atol=1e-5)
+    t, R = true_pose(x, turning[0])
+    G = pose_errors(x, turning[0])
+    found = numerical(lambda e: true_pose(corrected(x, e), turning[0])[0] - t, N, STEPS)
+    np.testing.assert_allclose(found[:, :n], G[TRANSLATION], atol=0.05)  # m per rad: 40 m times the misalignment
+    turns = numerical(lambda e: so3.log(true_pose(corrected(x, e), turning[0])[1] @ R.T), N, STEPS)[:, :n]
+    np.testing.assert_allclose(turns, G[ROTATION], atol=1e-3)
+    np.testing.assert_allclose(R.T @ turns, J[NAV_ERRORS.attitude], atol=1e-3)
 
 
 def test_correcting_by_the_error_between_two_states_leads_from_one_to_the_other() -> None:
@@ -233,14 +292,14 @@ def test_joseph_update_is_the_textbook_one() -> None:
 
 def test_keypoint_update_equals_the_dense_joseph_update() -> None:
     s, x, P = setup(), a_state(4), 1e-4 * a_covariance(4)  # little doubt: one iteration
-    R_eci_ric, index = np.eye(3), np.arange(24)
-    h, H15 = keypoint_model(x, s.points_m, index, R_eci_ric, s.lens)
+    index = np.arange(24)
+    h, H15 = keypoint_model(x, s.points_m, index, TURNING, s.lens)
     shares, sigma = np.array([0.4, 0.6]), 1.2
     root = np.sqrt(shares[0]) * sigma
     rng = np.random.default_rng(0)
     z = h + root * x[X.point_errors] + 0.5 * rng.normal(size=48)
     cov = np.tile(sigma**2 * np.eye(2), (24, 1, 1))
-    args = (z.reshape(24, 2), cov, s.points_m, index, R_eci_ric, s.lens, shares, 1e9, s.frame_gates)
+    args = (z.reshape(24, 2), cov, s.points_m, index, TURNING, s.lens, shares, 1e9, s.frame_gates)
     x1, P1, _, used, _, C = keypoint_update(x, P, *args)
     assert used.all()
     H = np.zeros((48, N))
@@ -249,7 +308,7 @@ def test_keypoint_update_equals_the_dense_joseph_update() -> None:
     np.testing.assert_allclose(relative_error(x, x1), e, rtol=1e-6, atol=1e-12)
     scale = np.sqrt(np.diagonal(P))
     np.testing.assert_allclose(P1 / np.outer(scale, scale), reset(dense, e) / np.outer(scale, scale), atol=1e-9)
-    J = keypoint_model(x1, s.points_m, index, R_eci_ric, s.lens)[1][:, FRAME.pose_error]
+    J = keypoint_model(x1, s.points_m, index, TURNING, s.lens)[1][:, FRAME.pose_error]
     np.testing.assert_allclose(C, np.linalg.inv(J.T @ J / sigma**2), rtol=0.05, atol=1e-6)
 
 
@@ -265,12 +324,12 @@ def test_covariance_stays_symmetric_and_positive(seed: int, doubt: float, sigma_
     errors = np.diag(np.r_[np.full(3, 0.1), np.full(3, 0.01)] ** 2)
     for _ in range(4):
         x, P, _, _ = advance(x, P, cw_transition(N_CW, 1.0), 1.0, NONE, NONE, FREE, errors, NOISE)
-        h, _ = keypoint_model(x, s.points_m, np.arange(24), np.eye(3), s.lens)
+        h, _ = keypoint_model(x, s.points_m, np.arange(24), TURNING, s.lens)
         shares = np.array([0.1, 0.5])
         index = np.flatnonzero(np.array(seen) & np.isfinite(h.reshape(-1, 2)[:, 0]))
         z = h.reshape(-1, 2) + sigma_px * rng.normal(size=(24, 2))
         cov = np.tile(sigma_px**2 * np.eye(2), (24, 1, 1))
-        x, P, *_ = keypoint_update(x, P, z, cov, s.points_m, index, np.eye(3), s.lens, shares, 1e12, np.full(60, 1e12))
+        x, P, *_ = keypoint_update(x, P, z, cov, s.points_m, index, TURNING, s.lens, shares, 1e12, np.full(60, 1e12))
         assert np.array_equal(P, P.T)
         scale = np.sqrt(np.diagonal(P))
         assert (scale > 0.0).all()
@@ -283,6 +342,7 @@ def test_covariance_stays_symmetric_and_positive(seed: int, doubt: float, sigma_
 def test_noise_of_one_step_is_positive(seed: int) -> None:
     x, P0 = a_state(seed), np.zeros((N, N))
     _, Q, _, _ = advance(x, P0, cw_transition(N_CW, 0.7), 0.7, NONE, NONE, FREE, np.eye(6), NOISE)
+    Q = np.delete(np.delete(Q, CONSTANT, axis=0), CONSTANT, axis=1)
     scale = np.sqrt(np.diagonal(Q))
     assert np.linalg.eigvalsh(Q / np.outer(scale, scale)).min() > -1e-12
 

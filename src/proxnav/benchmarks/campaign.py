@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from proxnav.benchmarks.monte_carlo import Case, RunJob, RunResult
+from proxnav.benchmarks.monte_carlo import Case, Job, RunResult
 from proxnav.benchmarks.run_files import fingerprint, read_runs, write_runs
 from proxnav.cluster.jobs import POOL, run_anywhere
 from proxnav.cluster.progress import Progress, silent
@@ -33,7 +33,7 @@ class Campaign:
     """Folder of the tables, and runs/ with every flight."""
     progress: Progress = silent
 
-    def table(self, part: str, jobs: Mapping[Any, RunJob], row: Callable[[Any, RunJob], Any]) -> dict[str, Any]:
+    def table(self, part: str, jobs: Mapping[Any, Job], row: Callable[[Any, Job], Any]) -> dict[str, Any]:
         """Line by line, each written as soon as it is measured: an interrupted run keeps what it has."""
         path = None if self.out is None else self.out / f"navigation_{part}.json"
         kept = self.only and path is not None and path.is_file()
@@ -45,7 +45,7 @@ class Campaign:
                     write_json(path, found, indent=1)
         return found
 
-    def flown(self, name: str, job: RunJob, fault: Fault = "none") -> list[RunResult]:
+    def flown(self, name: str, job: Job, fault: Fault = "none") -> list[RunResult]:
         """Results of all seeds, equally long; those of an interrupted run with the same options are taken over."""
         cases = [Case(name, self.seed + k, fault) for k in range(self.runs)]
         path = None if self.out is None else self.out / "runs" / f"{name.replace(' ', '-').replace(',', '')}.npz"

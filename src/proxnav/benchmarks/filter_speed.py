@@ -26,7 +26,7 @@ def measure_speed(camera: Camera, target: str, repeats: int = 400) -> dict[str, 
     points = np.ascontiguousarray(load_target(target).keypoints_m)
     setup, k = _setup(points, camera), len(points)
     (x, P), index, none = _state(setup), np.arange(k), np.zeros(3)
-    lens, cov, R_eci_ric = setup.lens, np.tile(2.0 * np.eye(2), (k, 1, 1)), np.eye(3)
+    lens, cov, turning = setup.lens, np.tile(2.0 * np.eye(2), (k, 1, 1)), (np.eye(3), 0.0, none)
     errors = np.diag(np.r_[np.full(3, 0.1), np.full(3, 0.01)] ** 2)
 
     def predict() -> tuple:
@@ -34,11 +34,11 @@ def measure_speed(camera: Camera, target: str, repeats: int = 400) -> dict[str, 
         return advance(x, P, Phi, _DT, none, none, control, errors, setup.noise)
 
     moved, spread, _, _ = predict()
-    pixels = keypoint_model(moved, points, index, R_eci_ric, lens)[0].reshape(-1, 2)
+    pixels = keypoint_model(moved, points, index, turning, lens)[0].reshape(-1, 2)
 
     def update() -> tuple:
         return keypoint_update(
-            moved, spread, pixels, cov, points, index, R_eci_ric, lens, setup.shares, POINT_GATE, setup.frame_gates
+            moved, spread, pixels, cov, points, index, turning, lens, setup.shares, POINT_GATE, setup.frame_gates
         )
 
     _, _, _, used, _, _ = update()

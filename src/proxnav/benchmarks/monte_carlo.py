@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -18,6 +18,8 @@ from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.filter_setup import setup_of
 from proxnav.navigation.navigator import run_filter
 from proxnav.records import NAV_ERRORS, NAV_STATUSES, SensorRecords, Trajectory
+from proxnav.storage.run_record import plain
+from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 
 EVERY_S = 5.0
@@ -52,6 +54,17 @@ class RunResult:
     starts: int
 
 
+class Job(Protocol):
+    """What builds, once per process, the function that runs cases. Can be pickled."""
+
+    def __call__(self) -> Callable[[Case], RunResult]: ...
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """All that tells its runs from those of another job."""
+        ...
+
+
 @dataclass(frozen=True)
 class RunJob:
     """Builds, once per process, the function that runs cases. Can be pickled."""
@@ -67,21 +80,35 @@ class RunJob:
     def __call__(self) -> Callable[[Case], RunResult]:
         return lambda case: run_case(case, self)
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """All that tells its runs from those of another job."""
+        return {"seconds": self.duration_s, "target": self.target,
+                "flight": [len(self.reference), self.reference.source], "simulation": plain(self.simulation),
+                "filter": plain(self.filter)}  # fmt: skip
+
 
 def run_case(case: Case, job: RunJob) -> RunResult:
     """Simulates, breaks, filters, compares."""
     rng = np.random.default_rng((case.seed, 20241101))
     target = load_target(job.target)
     truth, clean = simulate(_piece(job, rng), target, job.camera, job.simulation, rng)
-    records = with_fault(clean, case.fault, rng)
-    setup = setup_of(records, target.keypoints_m, job.camera, job.filter)
+    found = judged_run(truth, with_fault(clean, case.fault, rng), target, job.camera, job.filter)
+    position, attitude = _single_frames(truth, clean)
+    return replace(found, single_position_m=position, single_attitude_rad=attitude)
+
+
+def judged_run(
+    truth: Truth, records: SensorRecords, target: Target, camera: Camera, config: NavigationConfig
+) -> RunResult:
+    """The filter over these records, compared with the truth; nothing is said of single frames."""
+    setup = setup_of(records, target.keypoints_m, camera, config)
     t = np.arange(truth.t[0] + EVERY_S, truth.t[-1], EVERY_S)
     states, judged, last = run_filter(records, setup, t)
     found = nav_errors(states, true_states(truth).at(t))
-    position, attitude = _single_frames(truth, clean)
     nis = mean_nis(judged, float(truth.t[0]) + 60.0)
     return RunResult(
-        found.range_m, found.errors, found.sigmas, found.nees, found.status, nis, position, attitude, last.memory.starts
+        found.range_m, found.errors, found.sigmas, found.nees, found.status, nis, np.nan, np.nan, last.memory.starts
     )
 
 
@@ -107,6 +134,13 @@ def summarise(results: Sequence[RunResult]) -> dict[str, Any]:
         "single_frame_position_m": float(np.sqrt(np.mean([r.single_position_m**2 for r in results]))),
         "single_frame_attitude_deg": float(np.rad2deg(np.sqrt(np.mean([r.single_attitude_rad**2 for r in results])))),
     }
+
+
+def honesty(results: Sequence[RunResult]) -> dict[str, Any]:
+    """The columns of `summarise` that say whether covariances are honest, and the accuracy of the second half."""
+    whole = summarise(results)
+    names = ("runs", "mean_nees_of_12", "inside_3_sigma", "starts", "nis", "rms_position_m", "rms_attitude_deg")
+    return {name: whole[name] for name in names}
 
 
 def judge_fault(results: Sequence[RunResult]) -> dict[str, Any]:

@@ -8,8 +8,10 @@ from typing import Any, Literal
 
 from proxnav.benchmarks.campaign import Campaign
 from proxnav.benchmarks.filter_speed import measure_speed
-from proxnav.benchmarks.monte_carlo import RunJob, judge_fault, summarise
+from proxnav.benchmarks.monte_carlo import RunJob, honesty, judge_fault, summarise
 from proxnav.benchmarks.navigation_parts import Part
+from proxnav.benchmarks.outside import ROWS
+from proxnav.benchmarks.outside_flight import OutsideJob
 from proxnav.flight.faults import Fault
 from proxnav.flight.sensors.star_tracker import StarTrackerConfig
 from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
@@ -31,6 +33,7 @@ def measure_navigation(parts: Sequence[Part], campaign: Campaign) -> dict[str, A
         os.environ.setdefault(name, "1")  # the workers' own: one core each
     measures: dict[Part, Callable[[Campaign], dict[str, Any]]] = {
         "consistency": consistency, "accuracy": accuracy, "faults": faults, "speed": speed,
+        "outside": outside,
     }  # fmt: skip
     found = {}
     for part in parts:
@@ -68,6 +71,13 @@ def faults(campaign: Campaign) -> dict[str, Any]:
     jobs["wrong_frames, tight"] = _job("spiral-10-100m", FAULTS["wrong_frames"], "code", coupling="tight")
     kinds: dict[str, Fault] = {"wrong_frames, tight": "wrong_frames", **{name: name for name in FAULTS}}
     return campaign.table("faults", jobs, lambda name, job: judge_fault(campaign.flown(name, job, kinds[name])))
+
+
+def outside(campaign: Campaign) -> dict[str, Any]:
+    """Truth that Basilisk made, round craft that differ from what the filter is told."""
+    mission = load_mission("spiral-10-100m")
+    jobs = {name: OutsideJob(flight, mission.target, mission.camera, config) for name, (flight, config) in ROWS.items()}
+    return campaign.table("outside", jobs, lambda name, job: honesty(campaign.flown(name, job)))
 
 
 def speed(_: Campaign) -> dict[str, Any]:

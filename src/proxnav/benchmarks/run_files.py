@@ -8,18 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-from proxnav.benchmarks.monte_carlo import RunJob, RunResult
+from proxnav.benchmarks.monte_carlo import Job, RunResult
 from proxnav.storage.files import write_atomic
-from proxnav.storage.run_record import plain
 
 _SERIES = ("range_m", "errors", "sigmas", "nees", "status")
 
 
-def fingerprint(job: RunJob) -> str:
+def fingerprint(job: Job) -> str:
     """Tells runs of the same options from others."""
-    options = {"seconds": job.duration_s, "target": job.target, "flight": [len(job.reference), job.reference.source],
-               "simulation": plain(job.simulation), "filter": plain(job.filter)}  # fmt: skip
-    return hashlib.sha256(json.dumps(options, sort_keys=True, default=str).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(job.options, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def write_runs(path: Path, results: Mapping[int, RunResult], mark: str) -> None:

@@ -4,20 +4,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from proxnav.geometry import quaternion, so3
-from proxnav.geometry.perturbation import ROTATION, TRANSLATION
-from proxnav.geometry.types import Vector3
+from proxnav.geometry import quaternion
+from proxnav.geometry.types import Rotation3x3, Vector3
 from proxnav.navigation.filter_setup import FilterSetup
-from proxnav.navigation.layout import N_FIXED, PUBLISHED, Covariance, E, PoseCovariance, StateVector, X
+from proxnav.navigation.kernels.published import pose_errors, published
+from proxnav.navigation.kernels.seen_pose import true_pose
+from proxnav.navigation.layout import N_FIXED, Covariance, PoseCovariance, StateVector, X
+from proxnav.navigation.process_noise import SLOW_ACCELERATION
 from proxnav.navigation.readings import GyroReading, StarFix
 from proxnav.records import NavState, NavStatus
 
 COAST_AFTER_S = 10.0
 """Without an accepted frame for so long the status is `coasting`: ten frames of a camera at 1 Hz."""
+_NO_RATE = np.zeros(3)
 
 
 def _no_reading_yet() -> GyroReading:
-    return GyroReading(-np.inf, -np.inf, np.zeros(3))
+    return GyroReading(-np.inf, -np.inf, np.zeros(3), 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +37,14 @@ class Memory:
     """Readings that taught it."""
     starts: int = 0
     """How often a pose has started the filter."""
+    new_share: float = 0.0
+    """Share of the poses' claimed covariance that is new in each frame, beyond what the error model says."""
+    pose_count: float = 0.0
+    """Poses that taught it, by what they are worth."""
+    slow_variance: Vector3 = field(default_factory=lambda: np.square(SLOW_ACCELERATION))
+    """Of the slow acceleration, RIC axes [m^2/s^4], as the flight shows it."""
+    turn_factor: float = 1.0
+    """Size of the target's unmodelled angular acceleration as the flight shows it, in that assumed at first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,18 +95,27 @@ class Tracking:
 Belief = Waiting | Tracking
 
 
+def camera_rate(belief: Tracking, setup: FilterSetup) -> Vector3:
+    """Measured inertial rate of the camera, camera axes [rad/s]; zero without gyro, when the bias is minus the rate."""
+    return belief.memory.gyro.rate_cam if setup.has_gyro else _NO_RATE
+
+
+def turning(belief: Tracking, setup: FilterSetup) -> tuple[Rotation3x3, float, Vector3]:
+    """`FilterSetup.turning` at the belief's time."""
+    return setup.turning(belief.t, camera_rate(belief, setup))
+
+
 def nav_state(belief: Tracking, setup: FilterSetup) -> NavState:
     """The belief as others read it."""
-    x, P = belief.x, belief.P
-    R_cam_ric = quaternion.to_matrix(x[X.q_eci_cam]).T @ setup.R_eci_ric(belief.t)
-    R_cam_target, t_m = quaternion.to_matrix(x[X.q_cam_target]), -R_cam_ric @ x[X.position]
-    G = np.zeros((6, N_FIXED))
-    G[TRANSLATION, E.position], G[TRANSLATION, E.attitude_cam] = -R_cam_ric, so3.skew(t_m)
-    G[ROTATION, E.attitude] = R_cam_target
-    C = G @ P[:N_FIXED, :N_FIXED] @ G.T
+    x, P, turns = belief.x, belief.P[:N_FIXED, :N_FIXED], turning(belief, setup)
+    R_eci_ric, _, _ = turns
+    t_m, R_cam_target = true_pose(x, R_eci_ric)
+    r_ric, v_ric, J = published(x, *turns)
+    G = pose_errors(x, R_eci_ric)
+    covariance, pose_covariance = J @ P @ J.T, G @ P @ G.T
     return NavState(
-        t=belief.t, status=belief.status, r_ric_m=x[X.position], v_ric_mps=x[X.velocity],
-        q_cam_target=quaternion.normalize(x[X.q_cam_target]), t_cam_target_m=t_m, rate_target=x[X.rate],
-        gyro_bias=x[X.gyro_bias], gnss_bias_m=x[X.gnss_bias], covariance=P[np.ix_(PUBLISHED, PUBLISHED)],
-        pose_covariance=0.5 * (C + C.T),
+        t=belief.t, status=belief.status, r_ric_m=r_ric, v_ric_mps=v_ric,
+        q_cam_target=quaternion.from_matrix(R_cam_target), t_cam_target_m=t_m, rate_target=x[X.rate],
+        gyro_bias=x[X.gyro_bias], gnss_bias_m=x[X.gnss_bias], covariance=0.5 * (covariance + covariance.T),
+        pose_covariance=0.5 * (pose_covariance + pose_covariance.T),
     )  # fmt: skip

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
@@ -40,6 +41,43 @@ class FilterNoise:
     """Errors of keypoints, for tight coupling."""
     poses: PoseErrorModel = field(default_factory=PoseErrorModel)
     """Errors of poses, for loose coupling."""
+
+
+@dataclass(frozen=True)
+class CraftGeometry:
+    """Where things sit on both craft and how far that is known: each sigma is of one axis, and zero means exactly.
+
+    What is not known exactly is estimated; what the flight does not show keeps its first uncertainty.
+    """
+
+    target_centre_m: Triple = (0.0, 0.0, 0.0)
+    """Centre of mass of the target, target axes."""
+    target_centre_sigma_m: float = 0.3
+    chaser_centre_cam_m: Triple = (0.0, 0.0, 0.0)
+    """Centre of mass of the chaser, camera axes from the camera."""
+    chaser_centre_sigma_m: float = 0.5
+    misalignment_sigma_deg: float = 0.1
+    """How far the camera may be turned against the axes in which gyro and star tracker report."""
+    clock_sigma_s: float = 0.3
+    """How far the stamps of frames may be off."""
+
+    def __post_init__(self) -> None:
+        sigmas = (self.target_centre_sigma_m, self.chaser_centre_sigma_m, self.misalignment_sigma_deg)
+        if not min(*sigmas, self.clock_sigma_s) >= 0.0:
+            raise InputError("geometry: the sigmas must be at least 0, where 0 means known exactly")
+
+    @property
+    def sigmas(self) -> Float[np.ndarray, "10"]:
+        """First standard deviations of the errors `E.geometry`, SI."""
+        misalignment = float(np.deg2rad(self.misalignment_sigma_deg))
+        three = np.repeat([self.target_centre_sigma_m, self.chaser_centre_sigma_m, misalignment], 3)
+        return np.append(three, self.clock_sigma_s)
+
+
+SURVEYED = CraftGeometry(
+    target_centre_sigma_m=0.0, chaser_centre_sigma_m=0.0, misalignment_sigma_deg=0.0, clock_sigma_s=0.0
+)
+"""Craft whose camera sits at the centre of mass and looks at a target whose origin is its own, all known exactly."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +129,8 @@ class NavigationConfig:
     always: as naive fusion does, for comparison; do not use it.
     """
     noise: FilterNoise = field(default_factory=FilterNoise)
+    geometry: CraftGeometry = field(default_factory=CraftGeometry)
+    """Where things sit on both craft, and how far that is known."""
     chaser_antenna_cam_m: Triple | None = None
     """Where the chaser's GNSS antenna sits, camera axes [m]; None: as records.json says."""
     target_antenna_target_m: Triple | None = None

@@ -57,7 +57,7 @@ class FilterSetup:
     """Principal moments of a free target, up to a common factor; zeros where nobody knows."""
     shares: Float[np.ndarray, "2"]
     """Shares of the claimed covariance of keypoints: lasting by themselves, new."""
-    noise: Float[np.ndarray, "9"]
+    noise: Float[np.ndarray, "13"]
     """See `noise_vector`."""
     frame_gates: Float[np.ndarray, "n_dof"]
 
@@ -101,6 +101,11 @@ class FilterSetup:
     def orbit(self, t: float) -> tuple[Vector3, Vector3, Rotation3x3, float]:
         """(r [m], v [m/s], R_eci_ric, orbital rate [rad/s]) of the target in ECI."""
         return orbit_at(*self.ephemeris, t)
+
+    def turning(self, t: float, rate_cam: Vector3) -> tuple[Rotation3x3, float, Vector3]:
+        """(R_eci_ric, its rate [rad/s], measured rate of the camera [rad/s]) at `t`, as the kernels take them."""
+        _, _, R, n = self.orbit(t)
+        return R, n, rate_cam
 
     def R_eci_ric(self, t: float) -> Rotation3x3:
         """Axes of the target's RIC frame at `t`."""

@@ -29,7 +29,7 @@ class States(NamedTuple):
     """Slices of the state vector x."""
 
     position: slice
-    """Camera relative to the target's origin, RIC axes [m]."""
+    """Chaser's centre of mass relative to the target's, RIC axes [m]."""
     velocity: slice
     """Rate of that position in the rotating RIC frame [m/s]."""
     q_eci_cam: slice
@@ -40,8 +40,18 @@ class States(NamedTuple):
     """Bias of the gyro, camera axes [rad/s]; without gyro minus the camera's rate itself."""
     acceleration: slice
     """Slow relative acceleration (differential drag), RIC axes [m/s^2]."""
+    turn_acceleration: slice
+    """What Euler's equations leave out of the target's angular acceleration, target axes [rad/s^2]."""
     gnss_bias: slice
     """Slow error of the GNSS baseline, ECI axes [m]."""
+    target_centre: slice
+    """Centre of mass of the target, target axes [m]."""
+    chaser_centre: slice
+    """Centre of mass of the chaser, camera axes [m]."""
+    misalignment: slice
+    """Rotation vector from the camera's axes as they are thought to be to the real ones [rad]."""
+    clock: slice
+    """By how much frames are stamped later than they were taken [s]."""
     motion: slice
     """Position and velocity."""
     vectors: slice
@@ -70,7 +80,14 @@ class Errors(NamedTuple):
     rate: slice
     gyro_bias: slice
     acceleration: slice
+    turn_acceleration: slice
     gnss_bias: slice
+    target_centre: slice
+    chaser_centre: slice
+    misalignment: slice
+    clock: slice
+    geometry: slice
+    """Of both craft and of the camera's clock: constants."""
     motion: slice
     attitudes: slice
     vectors: slice
@@ -85,15 +102,29 @@ class Errors(NamedTuple):
     """Lasting error of the whole pose: translation, then rotation."""
 
 
+class GeometryErrors(NamedTuple):
+    """Slices of the errors `E.geometry` by themselves."""
+
+    target_centre: slice
+    chaser_centre: slice
+    misalignment: slice
+    clock: slice
+
+
 class FrameColumns(NamedTuple):
     """Columns of H of a frame (a pose, or keypoints): the errors that it sees, the points' own apart."""
 
     position: slice
     attitude_cam: slice
     attitude: slice
+    target_centre: slice
+    chaser_centre: slice
+    misalignment: slice
+    clock: slice
     pose_translation: slice
     pose_rotation: slice
     attitudes: slice
+    geometry: slice
     pose_error: slice
 
 
@@ -107,46 +138,58 @@ class GnssColumns(NamedTuple):
     rate: slice
     gyro_bias: slice
     gnss_bias: slice
+    target_centre: slice
+    chaser_centre: slice
 
 
 def _in_a_row(*widths: int) -> Iterator[slice]:
     return (slice(stop - width, stop) for width, stop in zip(widths, accumulate(widths), strict=True))
 
 
+_BEHIND_ATTITUDES = (3, 3, 3, 3, 3, 3, 3, 3, 1)
+"""Widths from the target's rate to the camera's clock."""
+
+
 def _states() -> States:
-    r, v, _, q, *_, gnss = blocks = tuple(_in_a_row(3, 3, 4, 4, 3, 3, 3, 3))
+    r, v, _, q, *_, clock = blocks = tuple(_in_a_row(3, 3, 4, 4, *_BEHIND_ATTITUDES))
     return States(
-        *blocks, motion=slice(r.start, v.stop), vectors=slice(q.stop, None), camera_errors=slice(gnss.stop, None),
-        point_errors=slice(gnss.stop, -N_POSE), calibration=_CALIBRATION,
+        *blocks, motion=slice(r.start, v.stop), vectors=slice(q.stop, None), camera_errors=slice(clock.stop, None),
+        point_errors=slice(clock.stop, -N_POSE), calibration=_CALIBRATION,
         pose_translation=slice(-N_POSE, -3), pose_rotation=slice(-3, None),
     )  # fmt: skip
 
 
 def _errors() -> Errors:
-    r, v, turn_cam, turn, *_, acceleration, gnss = blocks = tuple(_in_a_row(3, 3, 3, 3, 3, 3, 3, 3))
+    blocks = tuple(_in_a_row(3, 3, 3, 3, *_BEHIND_ATTITUDES))
+    r, v, turn_cam, turn, *_, turn_acceleration, _, centre, _, _, clock = blocks
     return Errors(
-        *blocks, motion=slice(r.start, v.stop), attitudes=slice(turn_cam.start, turn.stop),
-        vectors=slice(turn.stop, None), core=slice(r.start, acceleration.stop), fading=slice(acceleration.stop, None),
-        point_errors=slice(gnss.stop, -N_POSE), calibration=_CALIBRATION, pose_error=slice(-N_POSE, None),
+        *blocks, geometry=slice(centre.start, clock.stop), motion=slice(r.start, v.stop),
+        attitudes=slice(turn_cam.start, turn.stop), vectors=slice(turn.stop, None),
+        core=slice(r.start, turn_acceleration.stop), fading=slice(turn_acceleration.stop, None),
+        point_errors=slice(clock.stop, -N_POSE), calibration=_CALIBRATION, pose_error=slice(-N_POSE, None),
     )  # fmt: skip
 
 
 def _frame_columns() -> FrameColumns:
-    _, turn_cam, turn, translation, rotation = blocks = tuple(_in_a_row(3, 3, 3, 3, 3))
+    blocks = tuple(_in_a_row(3, 3, 3, 3, 3, 3, 1, 3, 3))
+    _, turn_cam, turn, centre, _, _, clock, translation, rotation = blocks
     return FrameColumns(
-        *blocks, attitudes=slice(turn_cam.start, turn.stop), pose_error=slice(translation.start, rotation.stop)
-    )
+        *blocks, attitudes=slice(turn_cam.start, turn.stop), geometry=slice(centre.start, clock.stop),
+        pose_error=slice(translation.start, rotation.stop),
+    )  # fmt: skip
 
 
 N_POSE = 6
 """Errors of a whole pose, (dt [m], dr [rad])."""
 _CALIBRATION = slice(-N_POSE - N_CALIBRATION, -N_POSE)
 X, E = _states(), _errors()
-FRAME, GNSS = _frame_columns(), GnssColumns(*_in_a_row(3, 3, 3, 3, 3, 3, 3))
+FRAME, GNSS = _frame_columns(), GnssColumns(*_in_a_row(3, 3, 3, 3, 3, 3, 3, 3, 3))
+GEOMETRY = GeometryErrors(*_in_a_row(3, 3, 3, 1))
 
 N_CORE: int = E.core.stop
-N_FIXED: int = E.gnss_bias.stop
+N_FIXED: int = E.clock.stop
 """Errors that every filter carries before those of its camera."""
+N_GEOMETRY: int = GEOMETRY.clock.stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +204,7 @@ class Layout:
     @property
     def n_states(self) -> int:
         """Length of x."""
-        return X.gnss_bias.stop + 2 * self.n_points + self.n_calibration + N_POSE
+        return X.clock.stop + 2 * self.n_points + self.n_calibration + N_POSE
 
     @property
     def n_errors(self) -> int:
@@ -172,7 +215,7 @@ class Layout:
     def seen_by_pose(self) -> Int[np.ndarray, "n"]:
         """Errors that a pose sees: those of `FRAME`, then those of the calibration."""
         calibration = (E.calibration,) if self.n_calibration else ()
-        return self.places(E.position, E.attitudes, E.pose_error, *calibration)
+        return self.places(E.position, E.attitudes, E.geometry, E.pose_error, *calibration)
 
     def places(self, *blocks: slice) -> Int[np.ndarray, "n"]:
         """Places of these blocks in the error vector, one after the other."""
@@ -180,10 +223,8 @@ class Layout:
 
 
 _LOOSE = Layout(0)
-SEEN_BY_GNSS = _LOOSE.places(E.motion, E.attitudes, E.rate, E.gyro_bias, E.gnss_bias)
+SEEN_BY_GNSS = _LOOSE.places(E.motion, E.attitudes, E.rate, E.gyro_bias, E.gnss_bias, E.target_centre, E.chaser_centre)
 SEEN_BY_STAR_TRACKER = _LOOSE.places(E.attitude_cam)
-PUBLISHED = _LOOSE.places(E.motion, E.attitude, E.rate)
-"""Errors that the navigation solution gives: position, velocity, relative attitude, target rate."""
 
 
 def diagonal(block: slice) -> tuple[Int[np.ndarray, "n"], Int[np.ndarray, "n"]]:

@@ -7,17 +7,18 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from proxnav.geometry.calibration import CalibrationSigma, pose_moves
-from proxnav.geometry.compiled.rotations import conjugate, exp, log, multiply, skew, to_matrix
+from proxnav.geometry.compiled.rotations import conjugate, exp, log, multiply, to_matrix
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
 from proxnav.geometry.pose_jacobian import pose_jacobians_target_axes
-from proxnav.geometry.types import QuatWxyz, Rotation3x3, Vector3
-from proxnav.navigation.belief import Tracking
+from proxnav.geometry.types import QuatWxyz, Vector3
+from proxnav.navigation.belief import Tracking, turning
 from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.gates import GNSS_GATE, POINT_GATE, POSE_GATE, STAR_GATE
 from proxnav.navigation.kernels.error_state import corrected, reset
 from proxnav.navigation.kernels.gnss import gnss_model
 from proxnav.navigation.kernels.joseph import joseph
 from proxnav.navigation.kernels.keypoints import keypoint_model, keypoint_update, pose_covariance
+from proxnav.navigation.kernels.seen_pose import seen_pose
 from proxnav.navigation.layout import (
     FRAME,
     N_POSE,
@@ -30,6 +31,7 @@ from proxnav.navigation.layout import (
     X,
     diagonal,
 )
+from proxnav.navigation.learnt_noise import lasting_share, resized, taught_by_pose, white_share
 from proxnav.navigation.readings import GnssFix, KeypointFrame, PoseFix, StarFix
 
 _WINDOW = 16
@@ -40,7 +42,6 @@ _STREAK = 8
 """So many refused fixes in a row and the filter gives the fix its way: attitude, gyro bias or GNSS bias restart."""
 _MOST_CALIBRATION = 0.99
 """Share of a pose's variance in any direction that may be the calibration's."""
-_NO_RATE = np.zeros(3)
 
 Outcome = Literal["accepted", "gated", "no_points", "not_started", "started", "late", "duplicate", "ahead", "invalid"]
 
@@ -64,7 +65,7 @@ def take_keypoints(belief: Tracking, frame: KeypointFrame, setup: FilterSetup) -
         return belief, Verdict("no_points")
     belief = lasting_of_keypoints(belief, frame, setup)
     x, P, is_accepted, used, nis, C = keypoint_update(
-        belief.x, belief.P, frame.pixels, frame.covariances_px2, setup.points_m, index, setup.R_eci_ric(belief.t),
+        belief.x, belief.P, frame.pixels, frame.covariances_px2, setup.points_m, index, turning(belief, setup),
         setup.lens, setup.shares, POINT_GATE, setup.frame_gates,
     )  # fmt: skip
     if not is_accepted:
@@ -78,17 +79,31 @@ def take_pose(belief: Tracking, fix: PoseFix, setup: FilterSetup) -> tuple[Track
     """A pose of the pose solver; part of its error lasts from frame to frame."""
     x, C = belief.x, noise_of_pose(fix, setup)
     belief = lasting_of_pose(belief, C, setup)
-    H, t_hat, q_hat = pose_model(x, setup.R_eci_ric(belief.t))
+    H, t_hat, q_hat = seen_pose(x, *turning(belief, setup))
     if setup.layout.n_calibration:
         S = -calibration_moves(fix, setup, setup.real_camera.calibration_sigma)  # the state is true minus assumed
         off, H = S @ x[X.calibration], np.concatenate([H, S], axis=1)
         t_hat, q_hat = t_hat + off[TRANSLATION], multiply(q_hat, exp(off[ROTATION]))
     y = np.concatenate([fix.t_cam_target_m - t_hat, log(multiply(conjugate(q_hat), fix.q_cam_target))])
-    e, P, nis = joseph(belief.P, setup.layout.seen_by_pose, H, setup.config.noise.poses.white_share * C, y)
+    before, seen = belief.memory, setup.layout.seen_by_pose
+    unsure = _unsure_of_clock(belief, H)
+    belief = taught_by_pose(belief, y, C, H @ belief.P[np.ix_(seen, seen)] @ H.T + unsure, setup)
+    e, P, nis = joseph(belief.P, seen, H, white_share(belief.memory, setup) * C + unsure, y)
     if not nis <= POSE_GATE:
-        return _frame_refused(belief), Verdict("gated", float(nis))
-    belief = replace(belief, pose_errors=setup.lasting_pose_share * C)
-    return _frame_accepted(belief, corrected(x, e), reset(P, e)), Verdict("accepted", float(nis), N_POSE)
+        return resized(_frame_refused(belief), before, setup), Verdict("gated", float(nis))
+    belief = replace(belief, pose_errors=lasting_share(belief.memory, setup) * C)
+    belief = _frame_accepted(belief, corrected(x, e), reset(P, e))
+    return resized(belief, before, setup), Verdict("accepted", float(nis), N_POSE)
+
+
+def _unsure_of_clock(belief: Tracking, H: Float[np.ndarray, "6 n_columns"]) -> PoseCovariance:
+    """What the clock's error and those of velocity and rate do together: a term of second order, large at the start."""
+    late = float(belief.P[E.clock, E.clock][0, 0])
+    R = np.zeros((N_POSE, N_POSE))
+    to_camera = H[TRANSLATION, FRAME.position]
+    R[TRANSLATION, TRANSLATION] = late * to_camera @ belief.P[E.velocity, E.velocity] @ to_camera.T
+    R[ROTATION, ROTATION] = late * belief.P[E.rate, E.rate]
+    return R
 
 
 def take_star_fix(belief: Tracking, fix: StarFix, setup: FilterSetup) -> tuple[Tracking, Verdict]:
@@ -106,9 +121,7 @@ def take_star_fix(belief: Tracking, fix: StarFix, setup: FilterSetup) -> tuple[T
 
 def take_gnss(belief: Tracking, fix: GnssFix, setup: FilterSetup) -> tuple[Tracking, Verdict]:
     """Baseline between the antennas and its rate. A row of refusals: the GNSS bias starts anew."""
-    _, _, R_eci_ric, rate = setup.orbit(belief.t)
-    rate_cam = belief.memory.gyro.rate_cam if setup.has_gyro else _NO_RATE
-    H, h = gnss_model(belief.x, R_eci_ric, rate, rate_cam, *setup.arms_m)
+    H, h = gnss_model(belief.x, *turning(belief, setup), *setup.arms_m)
     y = np.concatenate([fix.position_m, fix.velocity_mps]) - h
     R = np.diag(np.repeat(np.square((fix.sigma_position_m, fix.sigma_velocity_mps)), 3))
     e, P, nis = joseph(belief.P, SEEN_BY_GNSS, H, R, y)
@@ -127,7 +140,7 @@ def lasting_of_keypoints(belief: Tracking, frame: KeypointFrame, setup: FilterSe
     index = _found(frame)
     if len(index) == 0 or (belief.pose_errors.any() and not belief.has_coasted):
         return belief
-    _, H = keypoint_model(belief.x, setup.points_m, index, setup.R_eci_ric(belief.t), setup.lens)
+    _, H = keypoint_model(belief.x, setup.points_m, index, turning(belief, setup), setup.lens)
     C = pose_covariance(H, frame.covariances_px2[index], np.linalg.norm(belief.x[X.position]))
     return redrawn(belief, C, setup)
 
@@ -142,21 +155,11 @@ def redrawn(belief: Tracking, C: PoseCovariance, setup: FilterSetup) -> Tracking
 
     C: claimed covariance of the pose in this view, dr in target axes.
     """
-    errors, P = setup.lasting_pose_share * C, belief.P.copy()
+    errors, P = lasting_share(belief.memory, setup) * C, belief.P.copy()
     keep = np.exp(-(belief.t - belief.camera_t) / setup.lasting_tau_s)
     known = belief.pose_errors
     P[E.pose_error, E.pose_error] += (1.0 - keep**2) * (errors - known) if known.any() else errors
     return replace(belief, P=P, pose_errors=errors)
-
-
-def pose_model(x: StateVector, R_eci_ric: Rotation3x3) -> tuple[Float[np.ndarray, "6 n_columns"], Vector3, QuatWxyz]:
-    """(H of (dt in camera, dr in target axes), predicted t [m], predicted q) of T_cam_target."""
-    R_cam_ric = to_matrix(x[X.q_eci_cam]).T @ R_eci_ric
-    t = -R_cam_ric @ x[X.position]
-    H = np.zeros((N_POSE, FRAME.pose_error.stop))
-    H[TRANSLATION, FRAME.position], H[TRANSLATION, FRAME.attitude_cam] = -R_cam_ric, skew(t)
-    H[ROTATION, FRAME.attitude], H[:, FRAME.pose_error] = np.eye(3), np.eye(N_POSE)
-    return H, t + x[X.pose_translation], multiply(x[X.q_cam_target], exp(x[X.pose_rotation]))
 
 
 def noise_of_pose(fix: PoseFix, setup: FilterSetup) -> PoseCovariance:

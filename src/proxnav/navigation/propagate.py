@@ -7,12 +7,13 @@ from jaxtyping import Float
 
 from proxnav.geometry import quaternion
 from proxnav.geometry.types import Vector3
-from proxnav.navigation.belief import Belief, Tracking, Waiting
+from proxnav.navigation.belief import Belief, Tracking, Waiting, camera_rate
 from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.kernels.dynamics import advance
 from proxnav.navigation.kernels.gravity_gradient import gradient_transition
 from proxnav.navigation.layout import E, X, diagonal
-from proxnav.navigation.process_noise import ANGLE_VAR, RATE_PSD
+from proxnav.navigation.learnt_noise import taught_by_motion
+from proxnav.navigation.process_noise import ANGLE_VAR, SLOW_VARIANCE, TURN_SHARE
 from proxnav.navigation.readings import Acceleration, GyroReading
 
 _LONGEST_S = 2.0
@@ -26,8 +27,6 @@ _BURN_MPS2 = 0.02
 """Specific force of a burn, where nobody tells of thrusters: 2 mg, far above the accelerometer's noise and bias."""
 _BURN_SHARE = 2e-3
 """Scale and alignment errors of a burn, as a share of it."""
-
-_NO_RATE = np.zeros(3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,11 +52,9 @@ def predicted(belief: Tracking, t: float, setup: FilterSetup, steps: list[Step] 
 
 
 def turned(belief: Belief, reading: GyroReading, setup: FilterSetup, steps: list[Step] | None = None) -> Belief:
-    """To the reading's time with the mean rate over the time since the last one."""
-    if reading.t - belief.t > _LONGEST_S:  # readings are missing: the new rate holds for the end of the gap only
-        belief = propagate(belief, reading.t - 1e-3, setup, steps)
-    belief = replace(belief, memory=replace(belief.memory, gyro=reading))
-    return propagate(belief, reading.t, setup, steps)
+    """To the beginning of the reading's step, and from there on with its rate."""
+    belief = propagate(belief, reading.since, setup, steps)
+    return replace(belief, memory=replace(belief.memory, gyro=reading))
 
 
 def pushed(belief: Belief, reading: Acceleration, setup: FilterSetup, steps: list[Step] | None = None) -> Belief:
@@ -90,22 +87,13 @@ def _kicked(belief: Tracking, dv_cam: Vector3, dt: float, setup: FilterSetup) ->
 
 def _step(belief: Tracking, t: float, setup: FilterSetup, steps: list[Step] | None) -> Tracking:
     dt, gyro = t - belief.t, belief.memory.gyro
-    noise = setup.noise.copy()
+    noise, memory = setup.noise.copy(), taught_by_motion(belief, dt, setup)
+    noise[SLOW_VARIANCE], noise[TURN_SHARE] = memory.slow_variance, memory.turn_factor * noise[TURN_SHARE]
     if setup.has_gyro and t - gyro.t > _GAP_S:
         noise[ANGLE_VAR] = (_STALE_RATE * dt) ** 2 + _STALE_RATE**2 * dt
-    if setup.inertia[0] > 0.0:
-        noise[RATE_PSD] += _inertia_psd(belief.x[X.rate], setup.config.inertia_sigma)
-    rate = gyro.rate_cam if setup.has_gyro else _NO_RATE
+    rate = camera_rate(belief, setup)
     Phi, control = gradient_transition(*setup.ephemeris, belief.t, dt), setup.control(belief.t)
     x, P, F, d = advance(belief.x, belief.P, Phi, dt, rate, setup.inertia, control, belief.pose_errors, noise)
     if steps is not None:
         steps.append(Step(F, d))
-    return replace(belief, t=t, x=x, P=P)
-
-
-def _inertia_psd(rate: Vector3, sigma: float) -> float:
-    """Power density of the angular acceleration that wrong moments leave out [rad^2/s^3].
-
-    It is sigma w^2, which turns with the body at about w.
-    """
-    return sigma**2 * float(np.linalg.norm(rate)) ** 3
+    return replace(belief, t=t, x=x, P=P, memory=memory)

@@ -24,6 +24,12 @@ class GyroReading:
     received: float
     rate_cam: Vector3
     """Camera axes [rad/s]."""
+    step_s: float
+
+    @property
+    def since(self) -> float:
+        """When the step began: from there on the belief turns with this rate."""
+        return self.t - self.step_s
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,5 +101,6 @@ Reading = GyroReading | Acceleration | StarFix | GnssFix | PoseFix | KeypointFra
 
 
 def rank(reading: Reading) -> tuple[float, int]:
-    """Order of application: by time, then by `ORDER`."""
-    return reading.t, ORDER.index(reading.sensor)
+    """Order of application: by time, then by `ORDER`; a gyro's reading counts from the beginning of its step."""
+    since = reading.since if isinstance(reading, GyroReading) else reading.t
+    return since, ORDER.index(reading.sensor)

@@ -1,7 +1,7 @@
 """Every state from all measurements: forward filter, then Rauch, Tung and Striebel backwards on tangent errors.
 
 H. Rauch, F. Tung, C. Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3(8), 1965.
-For reports and for labels where nobody knows the truth; it keeps a covariance per reading instant (40 kB each).
+For reports and for labels where nobody knows the truth; it keeps a covariance per reading instant (60 kB each).
 """
 
 from collections.abc import Sequence
@@ -85,7 +85,9 @@ def _back(node: _Node, x: StateVector, P: Covariance) -> tuple[StateVector, Cova
     filtered, predicted, step = node.filtered, node.predicted, node.step
     FP = np.concatenate([step.F @ filtered.P[:N_CORE], step.d[:, None] * filtered.P[N_CORE:]])
     scale = np.sqrt(np.diagonal(predicted.P))
-    factor = cho_factor(predicted.P / np.outer(scale, scale))
+    certain = scale == 0.0  # what this filter takes for known
+    scale = np.where(certain, 1.0, scale)
+    factor = cho_factor(predicted.P / np.outer(scale, scale) + np.diag(certain))
     C = (cho_solve(factor, FP / scale[:, None]) / scale[:, None]).T
     e = C @ relative_error(predicted.x, x)
     smoothed = filtered.P + C @ (P - predicted.P) @ C.T

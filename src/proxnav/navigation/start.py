@@ -1,21 +1,24 @@
 """The first belief from one pose, and a new one after a loss."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry import quaternion, so3
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
-from proxnav.geometry.types import Rotation3x3
-from proxnav.navigation.belief import Belief, Tracking, Waiting
+from proxnav.geometry.types import Rotation3x3, Vector3
+from proxnav.navigation.belief import Belief, Memory, Tracking, Waiting
 from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.gates import ATTITUDE_GATE
 from proxnav.navigation.kernels.attitude_control import control_error
 from proxnav.navigation.kernels.error_state import corrected, reset
 from proxnav.navigation.kernels.joseph import joseph
-from proxnav.navigation.layout import N_POSE, Covariance, E, StateVector, X, diagonal
+from proxnav.navigation.layout import GEOMETRY, N_GEOMETRY, N_POSE, Covariance, E, StateVector, X, diagonal
+from proxnav.navigation.learnt_noise import lasting_share
 from proxnav.navigation.measurements import noise_of_pose
-from proxnav.navigation.process_noise import SLOW_ACCELERATION
+from proxnav.navigation.process_noise import TURN_SHARE
 from proxnav.navigation.readings import PoseFix, StarFix
 
 _LOOSE = 10.0
@@ -39,28 +42,60 @@ def star_to_start(belief: Belief) -> StarFix | None:
 
 
 def started(belief: Belief, star: StarFix, fix: PoseFix, setup: FilterSetup) -> Tracking:
-    """The belief about a pose; chaser attitude and gyro bias of a lost filter are kept."""
-    x, P = _attitude_and_bias(belief, star, setup)
+    """The belief about a pose; what a lost filter knows of camera attitude, gyro bias and geometry is kept."""
+    x, P = _kept(belief, star, setup)
     _, _, R_eci_ric, rate = setup.orbit(belief.t)
-    R_ric_cam = R_eci_ric.T @ quaternion.to_matrix(x[X.q_eci_cam])
-    R_cam_target, held = quaternion.to_matrix(fix.q_cam_target), setup.config.target == "held"
-    x[X.position], x[X.q_cam_target] = -R_ric_cam @ fix.t_cam_target_m, fix.q_cam_target
+    R_ric_cam, R_mount = R_eci_ric.T @ quaternion.to_matrix(x[X.q_eci_cam]), so3.exp(x[X.misalignment])
+    R_cam_target, held = R_mount @ quaternion.to_matrix(fix.q_cam_target), setup.config.target == "held"
+    between = x[X.chaser_centre] - R_cam_target @ x[X.target_centre] - R_mount @ fix.t_cam_target_m
+    x[X.position], x[X.q_cam_target] = R_ric_cam @ between, quaternion.from_matrix(R_cam_target)
     x[X.rate] = R_cam_target.T @ R_ric_cam.T @ np.array([0.0, 0.0, rate]) if held else 0.0
-    A = np.zeros((N_POSE, N_POSE))
-    A[TRANSLATION, TRANSLATION], A[ROTATION, ROTATION] = -R_ric_cam, R_cam_target.T
-    pose = setup.layout.places(E.position, E.attitude)
-    P[np.ix_(pose, pose)] = A @ (_LOOSE**2 * fix.covariance) @ A.T
-    _share_attitude(P, R_ric_cam @ so3.skew(fix.t_cam_target_m))
-    _open_the_rest(P, setup)
+    _open_the_rest(P, belief.memory, setup)
+    _open_pose(P, _start_errors(fix, R_ric_cam, R_mount, between, x[X.target_centre]), fix, setup)
     errors = np.zeros((N_POSE, N_POSE))  # of keypoints: their first frame says how large
     if setup.config.coupling == "loose":
-        errors = setup.lasting_pose_share * noise_of_pose(fix, setup)
+        errors = lasting_share(belief.memory, setup) * noise_of_pose(fix, setup)
         P[E.pose_error, E.pose_error] = errors
     if held:
         x, P = _as_held(x, P, setup, belief.t)
     memory = replace(belief.memory, starts=belief.memory.starts + 1)
     streak = belief.star_streak if isinstance(belief, Tracking) else 0
     return Tracking(belief.t, x, P, belief.t, memory, errors, star_streak=streak)
+
+
+class _StartErrors(NamedTuple):
+    """Errors of position (RIC) and attitude (target axes) that a pose starts, by what they come from."""
+
+    pose: Float[np.ndarray, "6 6"]
+    """(dt, dr) of the pose in camera axes."""
+    attitude_cam: Float[np.ndarray, "6 3"]
+    geometry: Float[np.ndarray, "6 10"]
+    """In the order of `E.geometry`."""
+
+
+def _start_errors(
+    fix: PoseFix, R_ric_cam: Rotation3x3, R_mount: Rotation3x3, between: Vector3, centre: Vector3
+) -> _StartErrors:
+    """From position = R_ric_cam between and between = own centre - R_mount (R_pose centre + t)."""
+    R_pose, R_seen = quaternion.to_matrix(fix.q_cam_target), R_ric_cam @ R_mount
+    pose, cam, geometry = np.zeros((N_POSE, N_POSE)), np.zeros((N_POSE, 3)), np.zeros((N_POSE, N_GEOMETRY))
+    pose[TRANSLATION, TRANSLATION], pose[TRANSLATION, ROTATION] = -R_seen, R_seen @ so3.skew(R_pose @ centre)
+    pose[ROTATION, ROTATION] = R_pose.T
+    cam[TRANSLATION] = -R_ric_cam @ so3.skew(between)
+    geometry[TRANSLATION, GEOMETRY.target_centre] = -R_seen @ R_pose
+    geometry[TRANSLATION, GEOMETRY.chaser_centre] = R_ric_cam
+    geometry[TRANSLATION, GEOMETRY.misalignment] = R_seen @ so3.skew(R_pose @ centre + fix.t_cam_target_m)
+    geometry[ROTATION, GEOMETRY.misalignment] = R_pose.T
+    return _StartErrors(pose, cam, geometry)
+
+
+def _open_pose(P: Covariance, errors: _StartErrors, fix: PoseFix, setup: FilterSetup) -> None:
+    """Covariance of position and attitude, and with all that they come from."""
+    J = np.zeros((N_POSE, len(P)))
+    J[:, E.attitude_cam], J[:, E.geometry] = errors.attitude_cam, errors.geometry
+    pose, across = setup.layout.places(E.position, E.attitude), J @ P
+    P[pose, :], P[:, pose] = across, across.T
+    P[np.ix_(pose, pose)] = across @ J.T + errors.pose @ (_LOOSE**2 * fix.covariance) @ errors.pose.T
 
 
 def disagrees_with_control(belief: Belief, star: StarFix, fix: PoseFix, setup: FilterSetup) -> bool:
@@ -89,34 +124,30 @@ def _as_held(x: StateVector, P: Covariance, setup: FilterSetup, t: float) -> tup
     return corrected(x, e), reset(P, e)
 
 
-def _attitude_and_bias(belief: Belief, star: StarFix, setup: FilterSetup) -> tuple[StateVector, Covariance]:
-    """State and covariance that know nothing but camera attitude and gyro bias."""
-    layout, noise = setup.layout, setup.config.noise
+def _kept(belief: Belief, star: StarFix, setup: FilterSetup) -> tuple[StateVector, Covariance]:
+    """State and covariance that know nothing but camera attitude, gyro bias and geometry."""
+    layout, noise, config = setup.layout, setup.config.noise, setup.config.geometry
     x, P = np.zeros(layout.n_states), np.zeros((layout.n_errors, layout.n_errors))
     if isinstance(belief, Waiting):
         x[X.q_eci_cam] = star.q_eci_cam
+        x[X.target_centre], x[X.chaser_centre] = config.target_centre_m, config.chaser_centre_cam_m
         P[diagonal(E.attitude_cam)] = 1e-6 + (_TURN_RATE * (belief.t - star.t)) ** 2
         P[diagonal(E.gyro_bias)] = (noise.gyro_bias if setup.has_gyro else _RATE_WITHOUT_GYRO) ** 2
+        P[diagonal(E.geometry)] = np.square(config.sigmas)
         return x, P
-    keep = layout.places(E.attitude_cam, E.gyro_bias)
-    x[X.q_eci_cam], x[X.gyro_bias] = belief.x[X.q_eci_cam], belief.x[X.gyro_bias]
+    keep = layout.places(E.attitude_cam, E.gyro_bias, E.geometry)
+    for block in (X.q_eci_cam, X.gyro_bias, X.target_centre, X.chaser_centre, X.misalignment, X.clock):
+        x[block] = belief.x[block]
     P[np.ix_(keep, keep)] = belief.P[np.ix_(keep, keep)]
     return x, P
 
 
-def _share_attitude(P: Covariance, B: Rotation3x3) -> None:
-    """Position follows the camera's attitude error: dr += B dtheta_cam."""
-    C, cross = P[E.attitude_cam, E.attitude_cam], B @ P[E.attitude_cam, E.gyro_bias]
-    P[E.position, E.position] += B @ C @ B.T
-    P[E.position, E.attitude_cam], P[E.attitude_cam, E.position] = B @ C, (B @ C).T
-    P[E.position, E.gyro_bias], P[E.gyro_bias, E.position] = cross, cross.T
-
-
-def _open_the_rest(P: Covariance, setup: FilterSetup) -> None:
+def _open_the_rest(P: Covariance, memory: Memory, setup: FilterSetup) -> None:
     """First uncertainties of what a pose says nothing about."""
     noise = setup.config.noise
     P[diagonal(E.velocity)], P[diagonal(E.rate)] = _VELOCITY**2, noise.free_rate**2
-    P[diagonal(E.acceleration)] = np.square(SLOW_ACCELERATION)
+    P[diagonal(E.acceleration)] = memory.slow_variance
+    P[diagonal(E.turn_acceleration)] = (3.0 * setup.noise[TURN_SHARE] * noise.free_rate**2) ** 2
     P[diagonal(E.gnss_bias)] = noise.gnss_bias_m**2
     units = setup.layout.places(E.point_errors)
     P[units, units] = 1.0

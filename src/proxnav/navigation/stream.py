@@ -28,6 +28,8 @@ from proxnav.records import (
 
 _LONGEST_FORCE_STEP_S = 2.0
 """A mean force over a longer step says too little about when it acted."""
+_ONLY_GYRO_STEP_S = 1.0
+"""Step of the only reading of a gyro."""
 
 
 def readings(records: SensorRecords, setup: FilterSetup) -> list[Reading]:
@@ -49,7 +51,11 @@ def readings(records: SensorRecords, setup: FilterSetup) -> list[Reading]:
 
 
 def _gyro(data: GyroData) -> Iterator[GyroReading]:
-    return (GyroReading(t, t, rate) for t, rate in zip(data.t.tolist(), data.rate, strict=True))
+    """Each with its step: the time since the one before, over gaps the usual one."""
+    steps = np.diff(data.t)
+    usual = float(np.median(steps)) if len(steps) else _ONLY_GYRO_STEP_S
+    steps = np.where((steps > 0.0) & (steps < 2.0 * usual), steps, usual).tolist()
+    return (GyroReading(*row) for row in zip(data.t.tolist(), data.t.tolist(), data.rate, [usual, *steps], strict=True))
 
 
 def _forces(data: AccelerometerData) -> Iterator[Acceleration]:

@@ -19,8 +19,9 @@ from proxnav.navigation.process_noise import (
     GNSS_TAU,
     GYRO_PSD,
     RATE_PSD,
-    SLOW_ACCELERATION,
     SLOW_TAU_S,
+    SLOW_VARIANCE,
+    TURN_SHARE,
 )
 
 
@@ -34,13 +35,26 @@ def advance(x, P, Phi, dt, rate_cam, inertia, control, pose_errors, noise):
     """
     w_c = rate_cam - x[X.gyro_bias]
     w_t = x[X.rate].copy()
+    w2 = squared_rate(x, P)
     turn_cam, turn = to_matrix(exp(-dt * w_c)), to_matrix(exp(-dt * w_t))
     M = turn @ to_matrix(x[X.q_cam_target]).T  # turn of the camera as an error of the relative attitude
     F = transition(x, Phi, dt, turn_cam, turn, M, w_t, inertia, control)
+    set_diagonal(F, E.turn_acceleration, E.turn_acceleration, math.exp(-dt * math.sqrt(w2)))
     d = decays(len(P), dt, noise)
-    out = spread(P, F, d, process_noise(dt, M, noise), noise)
+    out = spread(P, F, d, process_noise(dt, M, w2, noise), noise)
     out[E.pose_error, E.pose_error] += (1.0 - d[-1] ** 2) * pose_errors
-    return move(x, Phi, dt, w_c, w_t, inertia, control, noise), out, F, d
+    y = move(x, Phi, dt, w_c, w_t, inertia, control, noise)
+    y[X.turn_acceleration] *= math.exp(-dt * math.sqrt(w2))
+    return y, out, F, d
+
+
+@kernel
+def squared_rate(x, P):
+    """Expected square of the target's rate [rad^2/s^2], as far as it is known."""
+    w2 = x[X.rate] @ x[X.rate]
+    for i in range(E.rate.start, E.rate.stop):
+        w2 += P[i, i]
+    return w2
 
 
 @kernel
@@ -52,6 +66,8 @@ def transition(x, Phi, dt, turn_cam, turn, M, w_t, inertia, control):
     set_diagonal(F, E.velocity, E.acceleration, dt)
     set_diagonal(F, E.attitude_cam, E.gyro_bias, -dt)
     set_diagonal(F, E.attitude, E.rate, dt)
+    set_diagonal(F, E.attitude, E.turn_acceleration, 0.5 * dt * dt)
+    set_diagonal(F, E.rate, E.turn_acceleration, dt)
     set_diagonal(F, E.rate, E.rate, 1.0)
     set_diagonal(F, E.gyro_bias, E.gyro_bias, 1.0)
     set_diagonal(F, E.acceleration, E.acceleration, math.exp(-dt / SLOW_TAU_S))
@@ -85,7 +101,8 @@ def _add_control(F, x, dt, control):
 def decays(n, dt, noise):
     """Decay of the n errors behind the core in dt seconds."""
     d = np.empty(n - N_CORE)
-    d[: N_FIXED - N_CORE] = math.exp(-dt / noise[GNSS_TAU])
+    d[: N_FIXED - N_CORE] = 1.0
+    d[E.gnss_bias.start - N_CORE : E.gnss_bias.stop - N_CORE] = math.exp(-dt / noise[GNSS_TAU])
     d[N_FIXED - N_CORE :] = math.exp(-dt / noise[CAMERA_TAU])
     if noise[CALIBRATION] > 0.0:
         d[E.calibration] = 1.0
@@ -98,11 +115,12 @@ def move(x, Phi, dt, w_c, w_t, inertia, control, noise):
 
     A controlled target's step is of second order: with one of the first the covariance would wander 4.5 % too far.
     """
-    y, w_mean = x.copy(), w_t
+    y, w_mean = x.copy(), w_t + 0.5 * dt * x[X.turn_acceleration]
+    y[X.rate] += dt * x[X.turn_acceleration]
     w0, _ = control_loop(control)
     if w0 > 0.0:
         pull = control_acceleration(x, control)
-        w_mean = w_t + 0.5 * dt * pull
+        w_mean = w_mean + 0.5 * dt * pull
         y[X.rate] += dt * pull - 0.5 * (dt * w0) ** 2 * (w_t - control_error(x, control)[1])
     elif inertia[0] > 0.0:
         y[X.rate] += dt * np.cross(inertia * w_t, w_t) / inertia
@@ -120,8 +138,12 @@ def move(x, Phi, dt, w_c, w_t, inertia, control, noise):
 
 
 @kernel
-def process_noise(dt, M, noise):
-    """Covariance that dt seconds add to the core errors (Q_d of a random walk seen by its integral)."""
+def process_noise(dt, M, w2, noise):
+    """Covariance that dt seconds add to the core errors (Q_d of a random walk seen by its integral).
+
+    w2: `squared_rate`. What Euler's equations leave out of the angular acceleration is a share of it, and turns with
+    the body.
+    """
     Q = np.zeros((N_CORE, N_CORE))
     q, g, u, w = noise[ACCELERATION_PSD], noise[GYRO_PSD], noise[BIAS_PSD], noise[RATE_PSD]
     keep = math.exp(-dt / SLOW_TAU_S)
@@ -135,8 +157,11 @@ def process_noise(dt, M, noise):
     set_diagonal(Q, E.rate, E.rate, w * dt)
     set_diagonal(Q, E.gyro_bias, E.gyro_bias, u * dt)
     set_symmetric(Q, E.attitude_cam, E.gyro_bias, -0.5 * u * dt * dt)
-    for i, sigma in enumerate(SLOW_ACCELERATION):
-        Q[E.acceleration.start + i, E.acceleration.start + i] = sigma**2 * (1.0 - keep * keep)
+    slow = noise[SLOW_VARIANCE]
+    for i in range(len(slow)):
+        Q[E.acceleration.start + i, E.acceleration.start + i] = slow[i] * (1.0 - keep * keep)
+    lost = 1.0 - math.exp(-2.0 * dt * math.sqrt(w2))
+    set_diagonal(Q, E.turn_acceleration, E.turn_acceleration, (noise[TURN_SHARE] * w2) ** 2 * lost)
     Q[E.attitude, E.attitude_cam] = -turn * M
     Q[E.attitude_cam, E.attitude] = -turn * M.T
     Q[E.attitude, E.gyro_bias] = 0.5 * u * dt * dt * M

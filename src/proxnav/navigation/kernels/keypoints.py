@@ -4,13 +4,14 @@ import numpy as np
 
 from proxnav.geometry.calibration import N_CALIBRATION
 from proxnav.geometry.compiled.kernel import kernel
-from proxnav.geometry.compiled.rotations import exp, multiply, skew, to_matrix
+from proxnav.geometry.compiled.rotations import skew, to_matrix
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
 from proxnav.navigation.gates import LEAST_SHARE
 from proxnav.navigation.kernels.blocks import set_diagonal
 from proxnav.navigation.kernels.error_state import corrected, reset
 from proxnav.navigation.kernels.joseph import rounded
-from proxnav.navigation.layout import FRAME, E, X
+from proxnav.navigation.kernels.seen_pose import seen_pose
+from proxnav.navigation.layout import FRAME, N_POSE, E, X
 
 FX, FY, CX, CY, SIGMA_FOCAL, SIGMA_PRINCIPAL = range(6)
 """Places in the lens of a camera without distortion: [px], and what is not known of them."""
@@ -22,12 +23,11 @@ _POINTS_X, _POINTS_E = X.point_errors.start, E.point_errors.start
 
 
 @kernel
-def keypoint_model(x, points, index, R_eci_ric, lens):
+def keypoint_model(x, points, index, turning, lens):
     """(predicted pixels, H) of the points `index`; NaN behind the camera.
 
-    The detector sees the target displaced by the lasting pose error, dt in camera axes and dr in target axes:
-    c = R_cam_target exp(dr) p + t + dt. Attitude and dr share a column: no change of the linearisation point can tell
-    one from the other. Where errors of the calibration are states, their columns follow those of `FRAME`.
+    turning: (R_eci_ric, its rate n [rad/s], measured rate of the camera [rad/s]). The detector sees the target where
+    `seen_pose` says. Where errors of the calibration are states, their columns follow those of `FRAME`.
     """
     known = lens[SIGMA_FOCAL] == 0.0 and lens[SIGMA_PRINCIPAL] == 0.0
     stretch, shift_x, shift_y = 1.0, 0.0, 0.0
@@ -36,32 +36,24 @@ def keypoint_model(x, points, index, R_eci_ric, lens):
         stretch += lens[SIGMA_FOCAL] * off[0]
         shift_x, shift_y = lens[SIGMA_PRINCIPAL] * off[1], lens[SIGMA_PRINCIPAL] * off[2]
     fx, fy = lens[FX] * stretch, lens[FY] * stretch
-    R_cr = to_matrix(x[X.q_eci_cam]).T @ R_eci_ric
-    R_ct = to_matrix(multiply(x[X.q_cam_target], exp(x[X.pose_rotation])))
-    t = -R_cr @ x[X.position]
-    T, apparent = skew(t), t + x[X.pose_translation]
-    m = len(index)
-    z, H = np.empty(2 * m), np.empty((2 * m, _N_SEEN if known else _N_SEEN + N_CALIBRATION))
-    J = np.zeros((2, 3))
+    H_pose, t, q = seen_pose(x, turning[0], turning[1], turning[2])
+    R_ct, m = to_matrix(q), len(index)
+    z, H = np.empty(2 * m), np.zeros((2 * m, _N_SEEN if known else _N_SEEN + N_CALIBRATION))
+    J = np.zeros((2, N_POSE))
     for k in range(m):
         p = points[index[k]]
-        c = R_ct @ p + apparent
+        c = R_ct @ p + t
         z_k, H_k = z[2 * k : 2 * k + 2], H[2 * k : 2 * k + 2]
         if c[2] < 0.1:
             z_k[:] = np.nan
-            H_k[:] = 0.0
             continue
         z_k[0] = fx * c[0] / c[2] + lens[CX] + shift_x
         z_k[1] = fy * c[1] / c[2] + lens[CY] + shift_y
         J[0, 0], J[0, 2] = fx / c[2], -fx * c[0] / c[2] ** 2
         J[1, 1], J[1, 2] = fy / c[2], -fy * c[1] / c[2] ** 2
-        H_k[:, FRAME.position] = -J @ R_cr
-        H_k[:, FRAME.attitude_cam] = J @ T
-        H_k[:, FRAME.attitude] = -J @ (R_ct @ skew(p))
-        H_k[:, FRAME.pose_translation] = J
-        H_k[:, FRAME.pose_rotation] = H_k[:, FRAME.attitude]
+        J[:, ROTATION] = -np.ascontiguousarray(J[:, TRANSLATION]) @ (R_ct @ skew(p))
+        H_k[:, :_N_SEEN] = J @ H_pose
         if not known:
-            H_k[:, _N_SEEN:] = 0.0
             H_k[0, _N_SEEN] = lens[SIGMA_FOCAL] * lens[FX] * c[0] / c[2]
             H_k[1, _N_SEEN] = lens[SIGMA_FOCAL] * lens[FY] * c[1] / c[2]
             H_k[0, _N_SEEN + 1] = H_k[1, _N_SEEN + 2] = lens[SIGMA_PRINCIPAL]
@@ -85,7 +77,7 @@ def pose_covariance(H, cov, distance):
 
 
 @kernel
-def keypoint_update(x, P, pixels, cov, points, index, R_eci_ric, lens, shares, gate, frame_gates):
+def keypoint_update(x, P, pixels, cov, points, index, turning, lens, shares, gate, frame_gates):
     """(x, P, whether accepted, accepted keypoints, normalised innovation squared, C) from the keypoints `index`.
 
     shares: of the claimed covariance, see `LASTING` and `NEW`. Each keypoint is gated by itself, then all accepted ones
@@ -94,7 +86,7 @@ def keypoint_update(x, P, pixels, cov, points, index, R_eci_ric, lens, shares, g
     used, C = np.zeros(len(points), dtype=np.bool_), np.zeros((6, 6))
     cov = cov[index]
     z, L, R = pixels[index].copy().ravel(), _roots(cov, shares[LASTING]), shares[NEW] * cov
-    keep = _agreeing(x, P, z, L, R, points, index, R_eci_ric, lens, gate)
+    keep = _agreeing(x, P, z, L, R, points, index, turning, lens, gate)
     m = int(keep.sum())
     if m == 0 or m < LEAST_SHARE * len(index):
         return x, P, False, used, np.nan, C
@@ -102,7 +94,7 @@ def keypoint_update(x, P, pixels, cov, points, index, R_eci_ric, lens, shares, g
     z = np.ascontiguousarray(z.reshape(-1, 2)[keep]).ravel()
     e, state, nis = np.zeros(len(P)), x, 0.0
     for turn in range(4):
-        h, H = keypoint_model(state, points, index, R_eci_ric, lens)
+        h, H = keypoint_model(state, points, index, turning, lens)
         if not np.isfinite(h).all():  # the step leads behind the camera: too far to be believed
             return x, P, False, used, nis, C
         M = _times_P(H, L, index, P)
@@ -135,9 +127,9 @@ def _joseph(P, Kt, M, H, L, R, index):
 
 
 @kernel
-def _agreeing(x, P, z, L, R, points, index, R_eci_ric, lens, gate):
+def _agreeing(x, P, z, L, R, points, index, turning, lens, gate):
     """Which keypoints lie within their own 2x2 innovation covariance."""
-    h, H = keypoint_model(x, points, index, R_eci_ric, lens)
+    h, H = keypoint_model(x, points, index, turning, lens)
     S = _times_Ht(_times_P(H, L, index, P), H, L, index)
     _add_noise(S, R)
     y = z - h - _own_errors(x, L, index)
@@ -167,7 +159,7 @@ def _times_P(H, L, index, P):
     """H P, with H on what a frame sees and each keypoint's own lasting errors."""
     seen = np.empty((H.shape[1], len(P)))
     seen[FRAME.position], seen[FRAME.attitudes] = P[E.position], P[E.attitudes]
-    seen[FRAME.pose_error] = P[E.pose_error]
+    seen[FRAME.geometry], seen[FRAME.pose_error] = P[E.geometry], P[E.pose_error]
     if H.shape[1] > _N_SEEN:
         seen[_N_SEEN:] = P[E.calibration]
     M = H @ seen
@@ -185,7 +177,7 @@ def _times_Ht(A, H, L, index):
     """A H^T."""
     seen = np.empty((len(A), H.shape[1]))
     seen[:, FRAME.position], seen[:, FRAME.attitudes] = A[:, E.position], A[:, E.attitudes]
-    seen[:, FRAME.pose_error] = A[:, E.pose_error]
+    seen[:, FRAME.geometry], seen[:, FRAME.pose_error] = A[:, E.geometry], A[:, E.pose_error]
     if H.shape[1] > _N_SEEN:
         seen[:, _N_SEEN:] = A[:, E.calibration]
     out = seen @ H.T
@@ -201,7 +193,8 @@ def _times_Ht(A, H, L, index):
 def _applied(H, L, index, e):
     """H e."""
     seen = np.empty(H.shape[1])
-    seen[FRAME.position], seen[FRAME.attitudes], seen[FRAME.pose_error] = e[E.position], e[E.attitudes], e[E.pose_error]
+    seen[FRAME.position], seen[FRAME.attitudes] = e[E.position], e[E.attitudes]
+    seen[FRAME.geometry], seen[FRAME.pose_error] = e[E.geometry], e[E.pose_error]
     if H.shape[1] > _N_SEEN:
         seen[_N_SEEN:] = e[E.calibration]
     out = H @ seen

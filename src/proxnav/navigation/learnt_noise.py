@@ -1,0 +1,107 @@
+"""Noise that the flight itself teaches: how new each pose's error is, and how large accelerations are.
+
+What the error model and the constants say is the prior. Matching covariances to innovations: R. Mehra, "Approaches to
+adaptive filtering", IEEE Transactions on Automatic Control 17(5), 1972.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.navigation.belief import Memory, Tracking
+from proxnav.navigation.filter_setup import FilterSetup
+from proxnav.navigation.gates import POSE_GATE
+from proxnav.navigation.kernels.dynamics import squared_rate
+from proxnav.navigation.layout import N_POSE, E, PoseCovariance, X, diagonal
+from proxnav.navigation.process_noise import SLOW_ACCELERATION, TURN_SHARE
+
+_PRIOR_FRAMES = 10
+"""So many frames weigh as much as the error model."""
+_MOST_FRAMES = 100.0
+"""So many frames back the poses' errors are remembered: views change within minutes."""
+_LEAST_NEW = 0.3
+"""Of the model's new share; a mean of few frames may be anything, even negative."""
+_MOST_NEW = 2.0
+"""One frame counts as at most this share: what is larger is a wrong pose, not noise."""
+_LEAST_LASTING = 0.01
+"""Of the model's lasting share."""
+_SLOW_S = 200.0
+"""Over so long the slow acceleration's size is learnt."""
+_TURN_S = 100.0
+"""Over so long the size of the unmodelled angular acceleration is learnt."""
+_LEAST_TURN = 0.05
+"""Of what is assumed at first."""
+_MOST_TURN = 1.0
+"""Angular acceleration of a free body as a share of its squared rate."""
+
+
+def white_share(memory: Memory, setup: FilterSetup) -> float:
+    """Share of a pose's claimed covariance that is new in each frame."""
+    white = setup.config.noise.poses.white_share
+    return max(white + memory.new_share, _LEAST_NEW * white)
+
+
+def lasting_share(memory: Memory, setup: FilterSetup) -> float:
+    """Share of a pose's claimed covariance that lasts: what is new beyond the model does not last."""
+    share = setup.lasting_pose_share
+    if setup.config.coupling == "tight":
+        return share
+    return max(share - max(memory.new_share, 0.0), _LEAST_LASTING * share)
+
+
+def taught_by_pose(
+    belief: Tracking, y: Float[np.ndarray, "6"], C: PoseCovariance, predicted: PoseCovariance, setup: FilterSetup
+) -> Tracking:
+    """The belief with what one innovation y teaches of the new share; nothing from a pose that no share explains.
+
+    C: what the pose claims; predicted: covariance of the innovation without the new error. One step of Fisher's scoring
+    of log N(y; 0, predicted + share C), weighted by its information in frames whose innovation is the new error alone.
+    """
+    white, memory = white_share(belief.memory, setup), belief.memory
+    if not y @ np.linalg.solve(predicted + max(white, 1.0) * C, y) <= POSE_GATE:
+        return belief
+    S = predicted + white * C
+    A, z = np.linalg.solve(S, C), np.linalg.solve(S, y)
+    information = float(np.sum(A * A.T))
+    shown = white + float(z @ C @ z - np.trace(A)) / information
+    weight = information * white**2 / N_POSE
+    count = min(memory.pose_count + weight, _MOST_FRAMES)
+    excess = min(shown, _MOST_NEW) - setup.config.noise.poses.white_share
+    new = memory.new_share + weight / (count + _PRIOR_FRAMES) * (excess - memory.new_share)
+    return replace(belief, memory=replace(memory, new_share=new, pose_count=count))
+
+
+def resized(belief: Tracking, before: Memory, setup: FilterSetup) -> Tracking:
+    """The lasting pose error in the size of the share that is learnt now."""
+    scale = np.sqrt(lasting_share(belief.memory, setup) / lasting_share(before, setup))
+    if scale == 1.0:
+        return belief
+    x, P = belief.x.copy(), belief.P.copy()
+    x[X.pose_translation] *= scale
+    x[X.pose_rotation] *= scale
+    P[E.pose_error, :] *= scale
+    P[:, E.pose_error] *= scale
+    return replace(belief, x=x, P=P)
+
+
+def taught_by_motion(belief: Tracking, dt: float, setup: FilterSetup) -> Memory:
+    """The memory after dt: sizes of the slow acceleration and of the unmodelled angular one, towards expected ones.
+
+    Neither slow acceleration falls below its prior's size.
+    """
+    memory = belief.memory
+    shown = np.square(belief.x[X.acceleration]) + belief.P[diagonal(E.acceleration)]
+    slow = memory.slow_variance + min(dt / _SLOW_S, 1.0) * (shown - memory.slow_variance)
+    slow = np.maximum(slow, np.square(SLOW_ACCELERATION))
+    return replace(memory, slow_variance=slow, turn_factor=_turn_factor(belief, dt, float(setup.noise[TURN_SHARE])))
+
+
+def _turn_factor(belief: Tracking, dt: float, prior: float) -> float:
+    """Towards the size that the state shows; unchanged where nothing is left out of Euler's equations."""
+    known = belief.memory.turn_factor
+    if prior == 0.0:
+        return known
+    shown = np.square(belief.x[X.turn_acceleration]) + belief.P[diagonal(E.turn_acceleration)]
+    ratio = float(np.sqrt(shown.mean())) / (prior * squared_rate(belief.x, belief.P))
+    return float(np.clip(known + min(dt / _TURN_S, 1.0) * (ratio - known), _LEAST_TURN, _MOST_TURN / prior))
