@@ -1,5 +1,7 @@
 """Poses checked by the view that they predict."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Pose, quaternion
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
+from proxnav.pose.trust import Evidence
 from proxnav.records import PoseResult, SceneSpec
 from proxnav.targets.loading import load_target
 from proxnav.verification import verifier_of
@@ -42,7 +45,11 @@ def test_the_estimator_refuses_what_the_picture_contradicts_and_says_why(frame) 
     known = sky_of(scene)
     result = estimator(image, scene.camera, sun_cam=known.sun_cam, nadir_cam=known.nadir_cam)
     assert (result.status, result.trust.verdict) == ("ok", "verified")
+    assert result.trust.hazard < 0.05
+    assert np.isfinite([*result.trust.protection_m, *result.trust.protection_rad]).all()
     wrong = PoseResult("ok", half_turned(scene.T_cam_target), np.eye(6), np.ones(24, bool))
-    refused = estimator.verified(wrong, image, scene.camera, known)
+    view = verifier_of(estimator.shape).similarity(image, scene.camera, wrong.T_cam_target, known)
+    refused = estimator.judged(wrong, Evidence(0.99, 0.7, 0.01, 0.002, 0.5, view))
     assert (refused.status, refused.T_cam_target, refused.trust.verdict) == ("unlike_render", None, "contradicted")
-    assert estimator(image, scene.camera).trust is None
+    assert estimator(image, scene.camera).trust.verdict == "not_verifiable"
+    assert replace(estimator, checked_by="nothing")(image, scene.camera).trust is None

@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from proxnav.cluster.carried import Carried
@@ -15,6 +15,7 @@ from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Camera
 from proxnav.images.codecs import decode_image, read_image_file
 from proxnav.models.loading import carried_model, load_card
+from proxnav.pose.trust import CheckedBy
 from proxnav.records import Keypoints, PoseResult, SceneSpec, Sky
 from proxnav.targets import Target
 
@@ -32,10 +33,11 @@ class EstimateJob:
     threads: int = 1
     """Threads of the network; with one, sums come in the same order everywhere."""
     skies: Mapping[str, Sky] = field(default_factory=dict)
-    """Sun and Earth by the name of the image; poses of images that are not named stay unchecked."""
+    """Sun and Earth by the name of the image; the view of images that are not named is not predicted."""
+    checked_by: CheckedBy = "everything"
 
     def __call__(self) -> Callable[[Path | Sent], tuple[PoseRecord, Keypoints]]:
-        estimator = PoseEstimator.load(self.model, self.backend, self.threads)
+        estimator = replace(PoseEstimator.load(self.model, self.backend, self.threads), checked_by=self.checked_by)
         return lambda item: estimate_image(estimator, item, self.camera, self.skies)
 
 
@@ -66,9 +68,7 @@ def estimate_image(
     except InputError:
         return PoseRecord(name, None, "bad_image"), Keypoints.none("bad_image", len(estimator.points_target_m))
     try:
-        keypoints, result = estimator.keypoints_and_pose(image, camera)
-        if name in skies:
-            result = estimator.verified(result, image, camera, skies[name])
+        keypoints, result = estimator.keypoints_and_pose(image, camera, sky=skies.get(name))
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
     return PoseRecord(name, result.T_cam_target, result.status, result.covariance, result.trust), keypoints
@@ -77,13 +77,14 @@ def estimate_image(
 def estimate_images(
     images: Sequence[Path], camera: Camera, model: str, backend: Backend = "auto", threads: int = 0, workers: int = 1,
     on: str = POOL, done: Callable[[], None] = lambda: None, skies: Mapping[str, Sky] | None = None,
+    checked_by: CheckedBy = "everything",
 ) -> tuple[list[PoseRecord], list[Keypoints]]:  # fmt: skip
     """One record and its keypoints per image, in order; `threads` are those of a single process, workers have one.
 
-    Poses of images that `skies` names are checked by the view that they predict.
+    Poses of images that `skies` names are checked by the view that they predict, all of them by the other evidence.
     """
     threads = threads if workers == 1 and on == POOL else 1
-    job = EstimateJob(carried_model(model, on), camera, backend, threads, skies or {})
+    job = EstimateJob(carried_model(model, on), camera, backend, threads, skies or {}, checked_by)
     send = _content if is_elsewhere(on) else None
     found: dict[Path, tuple[PoseRecord, Keypoints]] = {}
     for path, answer in run_anywhere(job, images, workers, on, lambda path: path.name, send):

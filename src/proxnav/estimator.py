@@ -15,7 +15,7 @@ from proxnav.models.loading import Detect, DetectIn, Model, load_model
 from proxnav.pose.align import AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose
-from proxnav.pose.trust import TrustConfig, judged
+from proxnav.pose.trust import CheckedBy, Evidence, Similarity, TrustConfig, judged
 from proxnav.records import Keypoints, PoseResult, Sky
 from proxnav.targets import Target
 
@@ -49,6 +49,8 @@ class PoseEstimator:
     """Mesh whose outline is laid onto the image's edges; None leaves the pose as the keypoints say it."""
     alignment: AlignConfig = field(default_factory=AlignConfig)
     trust: TrustConfig = field(default_factory=TrustConfig)
+    checked_by: CheckedBy = "everything"
+    """`nothing` returns poses as the alignment leaves them, without `trust`."""
 
     @staticmethod
     def load(model: str | Carried, backend: Backend = "auto", threads: int = 0) -> "PoseEstimator":
@@ -61,41 +63,62 @@ class PoseEstimator:
         """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size.
 
         `sun_cam` and `nadir_cam`, directions to the Sun and to Earth's centre in camera axes, let the pose be checked
-        by the view that it predicts: `trust` of the result says what came out, and a pose that the picture contradicts
-        is refused as `unlike_render`.
+        by the view that it predicts. `trust` of the result says what all evidence amounts to; a pose that is probably
+        hazardous is refused, with a status that says why.
         """
-        result = self.keypoints_and_pose(image, camera)[1]
-        return result if sun_cam is None else self.verified(result, image, camera, Sky(sun_cam, nadir_cam))
+        sky = None if sun_cam is None else Sky(sun_cam, nadir_cam)
+        return self.keypoints_and_pose(image, camera, sky=sky)[1]
 
-    def verified(self, result: PoseResult, image: Image, camera: Camera, sky: Sky) -> PoseResult:
-        """The result with the verdict of the view that it predicts; `unlike_render` where that contradicts it."""
-        if self.shape is None or result.T_cam_target is None:
-            return result
-        from proxnav.verification import verifier_of  # brings the ray caster, which only this needs
-
-        similarity = verifier_of(self.shape).similarity(grey_8_bit(image), camera, result.T_cam_target, sky)
-        trust = judged(similarity, self.trust)
-        if trust.verdict == "contradicted":
-            return replace(PoseResult.failure("unlike_render", len(result.inliers)), trust=trust)
-        return replace(result, trust=trust)
-
-    def keypoints_and_pose(self, image: Image, camera: Camera, box: Box | None = None) -> tuple[Keypoints, PoseResult]:
+    def keypoints_and_pose(
+        self, image: Image, camera: Camera, box: Box | None = None, sky: Sky | None = None
+    ) -> tuple[Keypoints, PoseResult]:
         """As calling the estimator, with the keypoints that the pose rests on.
 
         `box` [px]: where somebody knows the target to be, a navigation filter for one; nothing is searched then.
         """
+        keypoints, result, evidence = self.unjudged(image, camera, box, sky)
+        return keypoints, result if evidence is None else self.judged(result, evidence)
+
+    def judged(self, result: PoseResult, evidence: Evidence) -> PoseResult:
+        """The result with its trust; refused where the evidence says that it is probably hazardous."""
+        if result.T_cam_target is None or result.covariance is None:
+            return result
+        if evidence.view is None and self.trust.calibration is None and self.trust.range_m is None:
+            return result
+        range_m = float(np.linalg.norm(result.T_cam_target.t_m))
+        status, trust = judged(evidence, range_m, result.covariance, self.trust)
+        if status != "ok":
+            return replace(PoseResult.failure(status, len(result.inliers)), trust=trust, p_value=result.p_value)
+        return replace(result, trust=trust)
+
+    def unjudged(
+        self, image: Image, camera: Camera, box: Box | None = None, sky: Sky | None = None
+    ) -> tuple[Keypoints, PoseResult, Evidence | None]:
+        """Keypoints and pose before any verdict, with the evidence; None without a pose or where nothing is checked."""
         check_size(image, camera)
         grey = grey_8_bit(image)
-        keypoints, result = self._from_keypoints(grey, camera, box)
-        found = self._aligned(grey, camera, keypoints, result)
-        if found is None:
-            return keypoints, result
-        if found.edge_share < self.alignment.least_edge_share:
-            return keypoints, PoseResult.failure("no_consensus", len(result.inliers))
-        return keypoints, replace(
-            result, T_cam_target=found.T_cam_target, covariance=found.covariance,
+        keypoints, of_keypoints = self._from_keypoints(grey, camera, box)
+        found = self._aligned(grey, camera, keypoints, of_keypoints)
+        if found is not None and found.edge_share < self.alignment.least_edge_share:
+            return keypoints, PoseResult.failure("no_consensus", len(of_keypoints.inliers)), None
+        result = of_keypoints if found is None else replace(
+            of_keypoints, T_cam_target=found.T_cam_target, covariance=found.covariance,
             calibration_moves=found.calibration_moves,
         )  # fmt: skip
+        if of_keypoints.T_cam_target is None or self.checked_by == "nothing":
+            return keypoints, result, None
+        edges, aligned = (0.0, None) if found is None else (found.edge_share, found.T_cam_target)
+        scores = keypoints.lower_quartile_score
+        evidence = Evidence.of(scores, of_keypoints.p_value, of_keypoints.T_cam_target, aligned, edges)
+        return keypoints, result, evidence.seen(self._view(grey, camera, result, sky))
+
+    def _view(self, grey: GreyImage, camera: Camera, result: PoseResult, sky: Sky | None) -> Similarity | None:
+        """Likeness of the image to the view that the pose predicts; None where no Sun is told or no shape is known."""
+        if sky is None or self.shape is None or result.T_cam_target is None:
+            return None
+        from proxnav.verification import verifier_of  # brings the ray caster, which only this needs
+
+        return verifier_of(self.shape).similarity(grey, camera, result.T_cam_target, sky)
 
     def alignment_of(self, image: Image, camera: Camera) -> Alignment | None:
         """How the pose of an image was laid onto it; None where there is no pose or it stayed that of the keypoints."""
@@ -148,6 +171,12 @@ def consensus_for(n_keypoints: int) -> PoseConfig:
     return PoseConfig(min_inliers=max(4, n_keypoints // 3), min_inlier_share=0.6)
 
 
+def trust_of(model: Model) -> TrustConfig:
+    """When poses of a model are to be believed."""
+    ranges = None if model.mission is None else model.mission.view.range_m
+    return TrustConfig(range_m=ranges, calibration=model.card.trust)
+
+
 def _assembled(model: Model) -> PoseEstimator:
     card = model.card
     return PoseEstimator(
@@ -160,6 +189,7 @@ def _assembled(model: Model) -> PoseEstimator:
         card.least_median_score,
         model.shape,
         card.alignment or AlignConfig(),
+        trust_of(model),
     )
 
 

@@ -31,6 +31,7 @@ TRAIN = {
     "heatmap": Command("our crop network, on fresh ray-cast crops", "train_heatmap"),
     "finder": Command("the network that finds the target in the full frame", "train_finder"),
     "export": Command("trained networks as a model folder that runs without torch", "train_export"),
+    "trust": Command("when a model's poses are to be believed, from frames whose truth is known", "train_trust"),
     "keypoint-rcnn": Command("the seed study's Keypoint R-CNN", "train_rcnn", renamed={"--preset": "--recipe"}),
 }
 MISSION = {
@@ -50,6 +51,7 @@ BENCHMARK = {
     "detector": Command("how long the detector's errors last along the spiral", "benchmark_detector"),
     "scale": Command("frames per second over workers, by processes and by Ray", "benchmark_scale"),
     "speedplus": Command("poses on SPEED+ images, with the scores of its challenges", "benchmark_speedplus"),
+    "trust": Command("how often a model is confidently wrong, and what catches it", "benchmark_trust"),
     "navigation": Command("the filter's consistency, accuracy, faults and speed", "benchmark_navigation"),
 }
 

@@ -1,5 +1,6 @@
 """`proxnav estimate`: images or a data set to poses.json."""
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -7,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from proxnav.cli.options import CameraOptions, ModelOptions, WorkerOptions
+from proxnav.pose.trust import CheckedBy
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,8 @@ class EstimateConfig(ModelOptions, CameraOptions, WorkerOptions):
     """Threads of the network; 0 takes all cores."""
     sky: Path | None = None
     """Sun and Earth in camera axes, a csv (docs/pose.md) or a data set whose scenes say it; poses are checked by it."""
+    checked_by: CheckedBy = "everything"
+    """`nothing` leaves poses as the alignment gives them: no verdict, no protection levels, nothing refused by them."""
 
 
 def run(config: EstimateConfig) -> None:
@@ -32,6 +36,7 @@ def run(config: EstimateConfig) -> None:
     from proxnav.datasets.skies import read_skies
     from proxnav.errors import InputError
     from proxnav.estimation import estimate_images, note_other_target
+    from proxnav.records.estimates import REASONS
     from proxnav.storage.files import check_new_file
 
     check_new_file(config.out)
@@ -44,10 +49,20 @@ def run(config: EstimateConfig) -> None:
     say_when_compiling("pose")
     with progress("estimate", len(images)) as done:
         records, _ = estimate_images(
-            images, camera, config.model, config.backend, config.threads, config.workers, config.on, done, skies
+            images,
+            camera,
+            config.model,
+            config.backend,
+            config.threads,
+            config.workers,
+            config.on,
+            done,
+            skies,
+            config.checked_by,
         )
     write_poses(config.out, records)
     poses = sum(record.T_cam_target is not None for record in records)
-    refused = sum(record.status == "unlike_render" for record in records)
-    checked = f", {refused} refused because the picture contradicts them" if config.sky is not None else ""
-    print(f"{poses} poses from {len(records)} images in {config.out}{checked}")
+    print(f"{poses} poses from {len(records)} images in {config.out}")
+    refused = Counter(record.status for record in records if record.T_cam_target is None and record.trust is not None)
+    for status, count in refused.most_common():
+        print(f"  {count} {status}: {REASONS[status]}")

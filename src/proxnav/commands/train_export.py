@@ -26,6 +26,8 @@ class ExportConfig(MissionOptions):
     """Median keypoint score below which an image shows no target; measured on frames without one when not given."""
     calibration: int = 300
     """Fresh ray-cast frames on which the covariances are scaled; a third as many show no target."""
+    trust: int = 30
+    """Fresh frames under each of some twenty conditions on which trust is calibrated; 0 leaves it out."""
 
 
 def run(config: ExportConfig) -> None:
@@ -37,7 +39,7 @@ def run(config: ExportConfig) -> None:
     settings = HeatmapSettings(config.side, config.finder_side)
     card = export_heatmap_model(
         config.crop, config.finder, config.out, config.read_mission(), config.net, settings, config.calibration,
-        config.least_median_score, progress,
+        config.least_median_score, progress, config.trust,
     )  # fmt: skip
     assert isinstance(card.settings, HeatmapSettings)
     print(

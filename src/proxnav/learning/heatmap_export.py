@@ -16,6 +16,7 @@ from proxnav.learning.pose_calibration import (
     least_median_score,
     spread_scale,
 )
+from proxnav.learning.trust_calibration import calibrate_trust
 from proxnav.missions import MISSION, Mission, write_mission
 from proxnav.models.card import ModelCard, write_card
 from proxnav.pose.align import AlignConfig
@@ -26,19 +27,20 @@ from proxnav.targets.target_files import save_target
 
 def export_heatmap_model(
     crop: Path, finder: Path, out: Path, mission: Mission, net: HeatmapNetConfig, settings: HeatmapSettings,
-    calibration: int, least: float | None = None, progress: Progress = silent,
+    calibration: int, least: float | None = None, progress: Progress = silent, trust: int = 0,
 ) -> ModelCard:  # fmt: skip
     """Writes crop.onnx, finder.onnx, their weights, model.json and mission.toml into `out`: all of them, or nothing.
 
-    Covariances are scaled on `calibration` fresh frames; the least median score is measured where `least` is None.
+    Covariances are scaled on `calibration` fresh frames, trust on `trust` frames under each condition (0: not at all);
+    the least median score is measured where `least` is None.
     """
     with filling(out) as folder:
-        return _export(crop, finder, folder, mission, net, settings, calibration, least, progress)
+        return _export(crop, finder, folder, mission, net, settings, calibration, least, progress, trust)
 
 
 def _export(
     crop: Path, finder: Path, folder: Path, mission: Mission, net: HeatmapNetConfig, settings: HeatmapSettings,
-    calibration: int, least: float | None, progress: Progress,
+    calibration: int, least: float | None, progress: Progress, trust: int,
 ) -> ModelCard:  # fmt: skip
     target = load_target(mission.target)
     _export_networks(HeatmapNet(net, len(target.keypoint_names)), crop, finder, folder, settings)
@@ -55,7 +57,7 @@ def _export(
     write_card(folder, card)
     card = replace(card, alignment=calibrated_alignment(PoseEstimator.load(str(folder)), frames))
     write_card(folder, card)
-    return card
+    return calibrate_trust(folder, mission, trust, progress=progress) if trust else card
 
 
 def _export_networks(net: HeatmapNet, crop: Path, finder: Path, out: Path, settings: HeatmapSettings) -> None:

@@ -23,6 +23,8 @@ from proxnav.viewing.run_writer import write_report
 FINDER_SHARE, SMALL_SHARE, LARGE_SHARE = 0.15, 0.45, 0.25
 """Shares of the hours: the finder, the crop network on small and then on large crops; the rest calibrates and measures.
 A finder is soon good enough, and small crops teach most of what large ones do at a third of the time."""
+_CONDITIONS = 15
+"""Trust is calibrated on twenty conditions, with this much fewer frames under each than calibrate the covariances."""
 SMALL_PX, LARGE_PX, FINDER_PX = 128, 192, 256
 _REPEATS = 6
 """Times that a drawn image is learnt from."""
@@ -68,6 +70,7 @@ def learn(
     export_heatmap_model(
         out / "crop-large" / "weights.safetensors", out / "finder" / "weights.safetensors", out / "model", mission,
         HeatmapNetConfig(), HeatmapSettings(LARGE_PX, FINDER_PX), effort.calibration, progress=progress,
+        trust=effort.calibration // _CONDITIONS,
     )  # fmt: skip
     return _measured(mission, out, effort, options, progress)
 

@@ -11,7 +11,9 @@ from proxnav.detection.keypoint_rcnn.decode import Calibration
 from proxnav.detection.keypoint_rcnn.detect import DetectConfig
 from proxnav.errors import InputError
 from proxnav.geometry.types import Points
+from proxnav.models.trust_json import calibration_from, calibration_json
 from proxnav.pose.align.config import AlignConfig
+from proxnav.pose.trust import TrustCalibration
 from proxnav.storage.files import read_json, write_json
 
 CARD = "model.json"
@@ -35,6 +37,8 @@ class ModelCard:
     """Dimensions of the crop network, for whoever trains it on."""
     alignment: AlignConfig | None = None
     """How poses are laid onto the image; None leaves them as the keypoints say."""
+    trust: TrustCalibration | None = None
+    """What evidence about poses is worth; None lets only the predicted view count."""
 
     @property
     def detector(self) -> str:
@@ -60,6 +64,8 @@ def write_card(folder: Path, card: ModelCard) -> None:
         content["network"] = {"n_keypoints": len(card.keypoint_names)} | asdict(card.network)
     if card.alignment is not None:
         content["alignment"] = {name: round(value, 3) for name, value in asdict(card.alignment).items()}
+    if card.trust is not None:
+        content["trust"] = calibration_json(card.trust)
     write_json(folder / CARD, content, indent=1)
 
 
@@ -88,6 +94,7 @@ def card_from(content: dict[str, Any], folder: Path) -> ModelCard:
         least_median_score=float(content.get("least_median_score", 0.0)),
         network=None if network is None else HeatmapNetConfig(network["trunk"], network["width"]),
         alignment=None if alignment is None else AlignConfig(**alignment),
+        trust=None if content.get("trust") is None else calibration_from(content["trust"]),
     )
 
 

@@ -36,14 +36,28 @@ REASONS: dict[str, str] = {
 Verdict = Literal["verified", "contradicted", "not_verifiable"]
 
 
+NAN_AXES = (float("nan"),) * 3
+
+
 @dataclass(frozen=True, slots=True)
 class Trust:
     """Evidence about one pose."""
 
     verdict: Verdict
-    """verified, contradicted, or not_verifiable where the predicted view has too little contrast to be compared."""
+    """What the predicted view says: verified, contradicted, or not_verifiable where no Sun was told, little contrast is
+    predicted or the picture is damaged."""
     similarity: float
     """Local correlation with the view that is predicted at the pose, -1 to 1; NaN where none was compared."""
+    hazard: float = float("nan")
+    """Calibrated probability that the pose is hazardous; NaN from models without a calibration."""
+    p_value: float = float("nan")
+    """As in `PoseResult`: of the residuals of all keypoints."""
+    protection_m: tuple[float, float, float] = NAN_AXES
+    """Errors along x, y, z of the camera frame [m] that are exceeded with the stated risk at most."""
+    protection_rad: tuple[float, float, float] = NAN_AXES
+    """The same for turns about x, y, z of the camera frame [rad]."""
+    risk: float = float("nan")
+    """Risk that the protection levels state."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +127,7 @@ class PoseResult:
     """Chance that honest keypoints, occluded ones among them, leave residuals as large as all of these; NaN without a
     pose."""
     trust: Trust | None = None
-    """Evidence about the pose; None where the Sun was not given and nothing was compared."""
+    """Evidence about the pose; None where nothing was checked."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inliers", frozen(self.inliers, (None,), "inliers", bool))

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from proxnav.pose.trust import TrustConfig, judged, local_correlation
+from proxnav.pose.trust import TrustConfig, local_correlation
+from proxnav.pose.trust.verdict import verdict_of
 
 SIDE = 96
 RNG = np.random.default_rng(2)
@@ -42,13 +43,13 @@ def test_what_lies_outside_the_mask_changes_nothing() -> None:
 
 def test_an_even_prediction_cannot_be_verified_and_an_empty_one_not_compared() -> None:
     even = local_correlation(np.full((SIDE, SIDE), 0.5), picture(), MASK)
-    assert judged(even, TrustConfig()).verdict == "not_verifiable"
+    assert verdict_of(even, TrustConfig()) == "not_verifiable"
     assert local_correlation(picture(), picture(), np.zeros_like(MASK)) is None
-    assert judged(None, TrustConfig()).verdict == "not_verifiable"
+    assert verdict_of(None, TrustConfig()) == "not_verifiable"
 
 
 def test_the_verdict_follows_the_least_similarity() -> None:
     alike = local_correlation(picture(), picture(), MASK)
     unlike = local_correlation(picture(), picture(1), MASK)
-    assert judged(alike, TrustConfig()).verdict == "verified"
-    assert judged(unlike, TrustConfig()).verdict == "contradicted"
+    assert verdict_of(alike, TrustConfig()) == "verified"
+    assert verdict_of(unlike, TrustConfig()) == "contradicted"

@@ -1,6 +1,7 @@
 """How far a pose may be believed."""
 
+from proxnav.pose.trust.evidence import Evidence
 from proxnav.pose.trust.local_correlation import Similarity, local_correlation
-from proxnav.pose.trust.verdict import TrustConfig, judged
+from proxnav.pose.trust.verdict import CheckedBy, TrustCalibration, TrustConfig, judged
 
-__all__ = ["Similarity", "TrustConfig", "judged", "local_correlation"]
+__all__ = ["CheckedBy", "Evidence", "Similarity", "TrustCalibration", "TrustConfig", "judged", "local_correlation"]

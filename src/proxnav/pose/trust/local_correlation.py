@@ -16,6 +16,8 @@ _BLUR_PX = 0.7
 """Blur of both views, which differ in sharpness."""
 _BRIGHT = 98.0
 """Percentile of the tones inside the mask that counts as white."""
+SATURATED = 254.0
+"""Count of 255 from which on a pixel of the seen view says nothing."""
 _FLOOR = 4e-4
 """Variance that is added to both, so that noise in even places does not count."""
 
@@ -30,6 +32,8 @@ class Similarity:
     """Correlation, weighted by contrast: 1 for views that are alike, near 0 for views that have nothing in common."""
     contrast: float
     """Mean standard deviation of the predicted tones in the window: where it is low, there is nothing to compare."""
+    saturated: float = 0.0
+    """Share of the compared pixels at the end of the picture's scale."""
 
 
 def local_correlation(predicted: View, seen: View, mask: Bool[np.ndarray, "side side"]) -> Similarity | None:
@@ -46,7 +50,7 @@ def local_correlation(predicted: View, seen: View, mask: Bool[np.ndarray, "side 
     local = covariance / np.sqrt((var_p + _FLOOR) * (var_i + _FLOOR))
     importance = np.sqrt(var_p + var_i)[mask]
     score = float((local[mask] * importance).sum() / max(importance.sum(), 1e-12))
-    return Similarity(score, float(np.sqrt(var_p[mask]).mean()))
+    return Similarity(score, float(np.sqrt(var_p[mask]).mean()), float((seen[mask] >= SATURATED).mean()))
 
 
 def _tones(view: View, mask: Bool[np.ndarray, "side side"]) -> View:

@@ -1,0 +1,32 @@
+"""The calibration of trust as `model.json` holds it."""
+
+from dataclasses import asdict
+from typing import Any
+
+from proxnav.pose.trust import TrustCalibration
+from proxnav.pose.trust.hazard import HazardModel, UsualDoubts
+from proxnav.pose.trust.protection import ProtectionFactors
+
+
+def calibration_json(calibration: TrustCalibration) -> dict[str, Any]:
+    """As JSON content."""
+    return asdict(calibration)
+
+
+def calibration_from(content: dict[str, Any]) -> TrustCalibration:
+    """Inverse of `calibration_json`; KeyError or TypeError for what is none."""
+    return TrustCalibration(
+        told=HazardModel(**content["told"]),
+        untold=HazardModel(**content["untold"]),
+        usual=UsualDoubts(**content["usual"]),
+        protection_told=_factors(content["protection_told"]),
+        protection_untold=_factors(content["protection_untold"]),
+        frames=int(content["frames"]),
+    )
+
+
+def _factors(content: dict[str, Any]) -> ProtectionFactors:
+    a, b = tuple(content["edges"]), [tuple(map(float, row)) for row in content["factors"]]
+    if len(b) != len(a) + 1 or any(len(row) != 3 for row in b):
+        raise ValueError("trust: a class of doubt needs three factors, and there is one class more than edges")
+    return ProtectionFactors(float(content["risk"]), a, tuple((x, y, z) for x, y, z in b))

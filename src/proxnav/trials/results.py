@@ -1,0 +1,112 @@
+"""What came of a trial: the pose before any verdict, its evidence, and how wrong it is."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from proxnav.geometry import Pose
+from proxnav.geometry.mahalanobis import squared_mahalanobis
+from proxnav.geometry.perturbation import difference
+from proxnav.geometry.pose_errors import pose_errors
+from proxnav.pose.trust import Evidence, Similarity
+from proxnav.records import PoseResult
+from proxnav.trials.conditions import TrialScene
+
+WRONG_TURN_RAD, WRONG_SHIFT, WRONG_SQUARED = np.radians(5.0), 0.05, 27.9
+"""A pose is hazardous beyond 5 deg, 5 % of the range, or the 99.99 % quantile of chi-square(6)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrialResult:
+    """One frame's answer."""
+
+    key: str
+    condition: str
+    has_truth: bool
+    """False where the picture does not show the target: every pose is wrong."""
+    truth: Pose
+    status: str
+    """Before the verdict."""
+    T_cam_target: Pose | None = None
+    covariance: Float[np.ndarray, "6 6"] | None = None
+    evidence: Evidence | None = None
+
+    @staticmethod
+    def of(trial: TrialScene, result: PoseResult, evidence: Evidence | None) -> "TrialResult":
+        """From what the estimator said."""
+        return TrialResult(
+            trial.key, trial.condition, trial.has_truth, trial.scene.T_cam_target, result.status, result.T_cam_target,
+            result.covariance, evidence,
+        )  # fmt: skip
+
+    @property
+    def errors(self) -> Float[np.ndarray, "6"]:
+        """(dt [m], dr [rad]) from the pose to the truth, camera axes."""
+        assert self.T_cam_target is not None
+        return difference(self.T_cam_target, self.truth)
+
+    @property
+    def e_c(self) -> float:
+        """E_C of the pose."""
+        assert self.T_cam_target is not None
+        return pose_errors(self.T_cam_target, self.truth).e_c
+
+    @property
+    def nees(self) -> float:
+        """Squared Mahalanobis error."""
+        assert self.covariance is not None
+        return float(squared_mahalanobis(self.errors, self.covariance))
+
+    @property
+    def is_hazardous(self) -> bool:
+        """Whether the pose is wrong by size, by its covariance, or shows what is not there."""
+        if self.T_cam_target is None:
+            return False
+        found = pose_errors(self.T_cam_target, self.truth)
+        wrong = found.e_r_rad > WRONG_TURN_RAD or found.e_tn > WRONG_SHIFT or self.nees > WRONG_SQUARED
+        return not self.has_truth or bool(wrong)
+
+
+def with_pose(results: Sequence[TrialResult]) -> list[TrialResult]:
+    """Those that have a pose and evidence about it."""
+    return [one for one in results if one.T_cam_target is not None and one.evidence is not None]
+
+
+def to_json(result: TrialResult) -> dict[str, Any]:
+    """As JSON content."""
+    T, covariance, evidence = result.T_cam_target, result.covariance, result.evidence
+    return {
+        "key": result.key, "condition": result.condition, "has_truth": result.has_truth,
+        "truth": _numbers(result.truth),
+        "status": result.status, "pose": None if T is None else _numbers(T),
+        "covariance": None if covariance is None else np.asarray(covariance).ravel().tolist(),
+        "evidence": None if evidence is None else asdict(evidence),
+    }  # fmt: skip
+
+
+def from_json(content: dict[str, Any]) -> TrialResult:
+    """Inverse of `to_json`."""
+    pose, covariance, evidence = content["pose"], content["covariance"], content["evidence"]
+    return TrialResult(
+        content["key"], content["condition"], content["has_truth"], _pose(content["truth"]), content["status"],
+        None if pose is None else _pose(pose),
+        None if covariance is None else np.array(covariance).reshape(6, 6),
+        None if evidence is None else _evidence(evidence),
+    )  # fmt: skip
+
+
+def _numbers(T: Pose) -> list[float]:
+    return [*T.q_wxyz.tolist(), *T.t_m.tolist()]
+
+
+def _pose(numbers: list[float]) -> Pose:
+    return Pose.from_wxyz("cam", "target", numbers[:4], numbers[4:])
+
+
+def _evidence(content: dict[str, Any]) -> Evidence:
+    view = content["view"]
+    rest = {name: float(value) for name, value in content.items() if name != "view"}
+    return Evidence(**rest, view=None if view is None else Similarity(**view))
