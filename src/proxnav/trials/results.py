@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from proxnav.evaluation.pairing import HAZARDOUS_NEES, HAZARDOUS_RAD, HAZARDOUS_TN
 from proxnav.geometry import Pose
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
@@ -14,9 +15,6 @@ from proxnav.geometry.pose_errors import pose_errors
 from proxnav.pose.trust import Evidence, Similarity
 from proxnav.records import PoseResult
 from proxnav.trials.conditions import TrialScene
-
-WRONG_TURN_RAD, WRONG_SHIFT, WRONG_SQUARED = np.radians(5.0), 0.05, 27.9
-"""A pose is hazardous beyond 5 deg, 5 % of the range, or the 99.99 % quantile of chi-square(6)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +64,7 @@ class TrialResult:
         if self.T_cam_target is None:
             return False
         found = pose_errors(self.T_cam_target, self.truth)
-        wrong = found.e_r_rad > WRONG_TURN_RAD or found.e_tn > WRONG_SHIFT or self.nees > WRONG_SQUARED
+        wrong = found.e_r_rad > HAZARDOUS_RAD or found.e_tn > HAZARDOUS_TN or self.nees > HAZARDOUS_NEES
         return not self.has_truth or bool(wrong)
 
 
