@@ -104,3 +104,16 @@ def test_config_is_flattened_to_dotted_names() -> None:
 def test_a_thousand_frames_with_noisy_pictures_stay_below_15_mb(make_run) -> None:
     page = report_html(make_run(1000, side=1024, pictures=30), "long")
     assert 1e6 < len(page.encode()) < 15e6
+
+
+def test_protection_levels_make_a_stanford_diagram(make_run) -> None:
+    folder = make_run(12)
+    records = json.loads((folder / "poses.json").read_text())
+    trust = {"verdict": "verified", "similarity": 0.9, "hazard": 0.01, "p_value": None, "risk": 1e-3}
+    levels = {"protection_m": [1e-9, 5e3, 5e3], "protection_rad": [9.0, 9.0, 9.0]}
+    write_json(folder / "poses.json", [one | {"trust": trust | levels} for one in records])
+    page = report_html(folder, "run")
+    posed = sum(frame.T_est is not None for frame in read_run(folder).frames)
+    assert f"Stanford diagram, m: {posed} of {posed} poses exceed their level" in page
+    assert f"Stanford diagram, deg: 0 of {posed} poses exceed their level" in page
+    assert "Stanford" not in report_html(make_run(3), "bare")

@@ -13,6 +13,7 @@ from proxnav.geometry import Pose
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.perturbation import difference
 from proxnav.geometry.pose_errors import PoseErrors, pose_errors
+from proxnav.records.estimates import Trust
 
 HAZARDOUS_RAD, HAZARDOUS_TN = np.radians(5.0), 0.05
 HAZARDOUS_NEES = chi2.ppf(0.9999, 6)
@@ -30,6 +31,8 @@ class PairedFrame:
     errors: PoseErrors | None = None
     covariance: Float[np.ndarray, "6 6"] | None = None
     """Covariance of (dt [m], dr [rad]) that the estimate claims, camera axes."""
+    trust: Trust | None = None
+    """Evidence about the estimate, where its file has protection levels."""
 
     @property
     def range_m(self) -> float:
@@ -40,6 +43,11 @@ class PairedFrame:
     def difference(self) -> Float[np.ndarray, "6"]:
         """True less estimated (dt [m], dr [rad]), camera axes; NaN without an estimate."""
         return np.full(6, np.nan) if self.T_est is None else difference(self.T_est, self.T_true)
+
+    @property
+    def protection(self) -> Float[np.ndarray, "6"]:
+        """Protection levels of (dt [m], dr [rad]), camera axes; NaN where there are none."""
+        return np.full(6, np.nan) if self.trust is None else self.trust.protection
 
     @property
     def normalised(self) -> Float[np.ndarray, "6"]:
@@ -99,4 +107,7 @@ def _paired(truth: PoseRecord, estimate: PoseRecord | None) -> PairedFrame:
     if estimate is None or estimate.T_cam_target is None:
         return PairedFrame(name, T_true, "missing" if estimate is None else estimate.status)
     T_est = estimate.T_cam_target
-    return PairedFrame(name, T_true, estimate.status, T_est, pose_errors(T_est, T_true), estimate.covariance)
+    return PairedFrame(
+        name, T_true, estimate.status, T_est, pose_errors(T_est, T_true), estimate.covariance,
+        estimate.trust,
+    )  # fmt: skip

@@ -36,7 +36,7 @@ REASONS: dict[str, str] = {
 Verdict = Literal["verified", "contradicted", "not_verifiable"]
 
 
-NAN_AXES = (float("nan"),) * 3
+NAN_AXES: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +58,11 @@ class Trust:
     """The same for turns about x, y, z of the camera frame [rad]."""
     risk: float = float("nan")
     """Risk that the protection levels state."""
+
+    @property
+    def protection(self) -> Float[np.ndarray, "6"]:
+        """Protection levels of (dt [m], dr [rad]), camera axes."""
+        return np.array([*self.protection_m, *self.protection_rad])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,7 +21,7 @@ from proxnav.evaluation.run_folder import Picture, Run, read_run
 from proxnav.geometry.pose_errors import HALF_TURN_RAD
 from proxnav.images.codecs import encode_jpeg, read_image
 from proxnav.viewing.number_text import number
-from proxnav.viewing.report_charts import calibration, phase_charts, range_charts
+from proxnav.viewing.report_charts import calibration, phase_charts, range_charts, stanford_charts
 from proxnav.viewing.report_filter import filter_section
 
 _PICTURES = 150
@@ -49,6 +49,7 @@ def report_html(folder: Path, title: str) -> str:
         coverage=coverage(run.frames),
         range_charts=[Markup(chart) for chart in range_charts(run)],
         phase_charts=[Markup(chart) for chart in phase_charts(run)],
+        stanford=[Markup(chart) for chart in stanford_charts(run)],
         has_bound=bool(run.notes),
         calibration=calibration(run),
         filter=filter_section(run.solution),

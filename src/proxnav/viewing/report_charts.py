@@ -72,6 +72,34 @@ def _chart(
     return scatter(name, x, log_axis(label, every, at_most), marks, lines)  # fmt: skip
 
 
+def stanford_charts(run: Run) -> Iterator[str]:
+    """Errors against protection levels, position and attitude; nothing where the run's poses have no levels.
+
+    Of each pose the axis that comes nearest to its level is shown.
+    """
+    frames = [frame for frame in run.frames if np.isfinite(frame.protection).all()]
+    if not frames:
+        return
+    for axes, scale, unit in ((slice(0, 3), 1.0, "m"), (slice(3, 6), _DEG, "deg")):
+        pairs = [_nearest(np.abs(f.difference[axes]) * scale, f.protection[axes] * scale) for f in frames]
+        every = [value for pair in pairs for value in pair]
+        x, y = log_axis(f"error of the axis [{unit}]", every), log_axis(f"protection level [{unit}]", every)
+        marks = [
+            Mark(e, level, f"{f.filename}: {e:.3g} of {level:.3g} {unit}", "outlier" if e > level else "point")
+            for f, (e, level) in zip(frames, pairs, strict=True)
+        ]
+        name = (
+            f"Stanford diagram, {unit}: {sum(e > level for e, level in pairs)} of {len(pairs)} poses exceed their level"
+        )
+        yield scatter(name, x, y, marks, [Line([(x.low, x.low), (x.high, x.high)], "bound")])
+
+
+def _nearest(errors: Float[np.ndarray, "3"], levels: Float[np.ndarray, "3"]) -> tuple[float, float]:
+    """Error and level of the axis whose error is the largest share of its level."""
+    k = int(np.argmax(errors / levels))
+    return float(errors[k]), float(levels[k])
+
+
 def _columns(pairs: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
     return [a for a, _ in pairs], [b for _, b in pairs]
 

@@ -7,6 +7,7 @@ from scipy.io import loadmat
 from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses, write_poses
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
+from proxnav.records.estimates import Trust
 
 
 def test_written_poses_read_back_equal(tmp_path, rng):
@@ -78,3 +79,18 @@ def test_malformed_files_are_refused_in_one_sentence(tmp_path, content, sentence
         read_poses(path)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_trust_is_written_and_read_back(tmp_path) -> None:
+    trust = Trust("verified", 0.9, 0.01, 0.5, (0.1, 0.2, 0.9), (0.01, 0.02, 0.03), 1e-3)
+    T = Pose.from_wxyz("cam", "target", [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 20.0])
+    records = [PoseRecord("a.png", T, trust=trust), PoseRecord("b.png", T, trust=Trust("not_verifiable", float("nan")))]
+    write_poses(tmp_path / "poses.json", records)
+    back = read_poses(tmp_path / "poses.json")
+    assert back["a.png"].trust == trust
+    assert back["b.png"].trust is None  # no levels: nothing that a report could show
+    content = json.loads((tmp_path / "poses.json").read_text())
+    content[0]["trust"]["verdict"] = "maybe"
+    (tmp_path / "poses.json").write_text(json.dumps(content))
+    with pytest.raises(InputError, match="needs a verdict among verified"):
+        read_poses(tmp_path / "poses.json")

@@ -7,14 +7,14 @@ bare list of records or that list under `poses` (SPIN, SHIRT exports).
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from jaxtyping import Float
 
 from proxnav.errors import InputError
 from proxnav.geometry import Pose, quaternion
-from proxnav.records.estimates import Trust
+from proxnav.records.estimates import Trust, Verdict
 from proxnav.storage.files import read_json, write_json
 from proxnav.storage.numbers import finite_numbers
 
@@ -33,7 +33,7 @@ class PoseRecord:
     covariance: Float[np.ndarray, "6 6"] | None = None
     """Covariance of (dt [m], dr [rad]), camera frame."""
     trust: Trust | None = None
-    """Evidence about an estimate, where there is any; it is written, and not read."""
+    """Evidence about an estimate, where there is any."""
 
 
 def read_poses(path: str | Path) -> dict[str, PoseRecord]:
@@ -83,13 +83,29 @@ def _record(entry: Any, where: str) -> PoseRecord:
     norm = np.linalg.norm(q)
     if not abs(norm - 1.0) < 1e-4:
         raise InputError(f"{where}: {key} must be a unit quaternion, found norm {norm:.6g}")
-    return PoseRecord(entry["filename"], Pose.from_wxyz("cam", "target", q, t_m), status, _covariance(entry, where))
+    T = Pose.from_wxyz("cam", "target", q, t_m)
+    return PoseRecord(entry["filename"], T, status, _covariance(entry, where), _trust(entry.get("trust"), where))
 
 
 def _covariance(entry: Mapping[str, Any], where: str) -> Float[np.ndarray, "6 6"] | None:
     if entry.get("covariance") is None:
         return None
     return _numbers(entry["covariance"], 36, where, "covariance").reshape(6, 6)
+
+
+def _trust(content: Any, where: str) -> Trust | None:
+    """Evidence about the pose; None where there is none or no protection levels are among it."""
+    if not isinstance(content, Mapping) or None in (*(content.get("protection_m") or [None]), content.get("hazard")):
+        return None
+    known = {name: content.get(name) for name in ("similarity", "hazard", "p_value", "risk")}
+    numbers = {name: np.nan if value is None else float(_numbers(value, 1, where, name)[0])
+               for name, value in known.items()}  # fmt: skip
+    a, b, c = _numbers(content["protection_m"], 3, where, "protection_m").tolist()
+    d, e, f = _numbers(content.get("protection_rad"), 3, where, "protection_rad").tolist()
+    verdict = next((one for one in get_args(Verdict) if one == content.get("verdict")), None)
+    if verdict is None:
+        raise InputError(f"{where}: trust needs a verdict among {', '.join(get_args(Verdict))}")
+    return Trust(verdict, **numbers, protection_m=(a, b, c), protection_rad=(d, e, f))
 
 
 def _numbers(value: Any, count: int, where: str, key: str) -> Float[np.ndarray, "n"]:
