@@ -15,7 +15,7 @@ from proxnav.models.loading import Detect, DetectIn, Model, load_model
 from proxnav.pose.align import AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose
-from proxnav.pose.trust import CheckedBy, Evidence, Similarity, TrustConfig, judged
+from proxnav.pose.trust import CheckedBy, Evidence, Similarity, TrustConfig, judged, widened
 from proxnav.records import Keypoints, PoseResult, Sky
 from proxnav.targets import Target
 
@@ -89,7 +89,7 @@ class PoseEstimator:
         status, trust = judged(evidence, range_m, result.covariance, self.trust)
         if status != "ok":
             return replace(PoseResult.failure(status, len(result.inliers)), trust=trust, p_value=result.p_value)
-        return replace(result, trust=trust)
+        return replace(result, trust=trust, covariance=widened(result.covariance, trust, self.trust))
 
     def unjudged(
         self, image: Image, camera: Camera, box: Box | None = None, sky: Sky | None = None

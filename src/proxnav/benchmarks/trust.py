@@ -1,12 +1,12 @@
 """How often a model is confidently wrong, by condition, before and after its poses are judged."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
-from proxnav.pose.trust import TrustConfig, judged
+from proxnav.pose.trust import TrustConfig, judged, widened
 from proxnav.records.estimates import Trust
 from proxnav.trials.results import TrialResult, with_pose
 
@@ -43,7 +43,8 @@ def judge_trials(results: Sequence[TrialResult], config: TrustConfig, light: Lig
         assert one.evidence is not None and one.T_cam_target is not None and one.covariance is not None  # noqa: PT018
         evidence = one.evidence if light == "told" else one.evidence.seen(None)
         status, trust = judged(evidence, float(np.linalg.norm(one.T_cam_target.t_m)), one.covariance, config)
-        found.append(JudgedTrial(one, status, trust))
+        honest = replace(one, covariance=widened(one.covariance, trust, config))
+        found.append(JudgedTrial(honest, status, trust))
     return found
 
 

@@ -11,7 +11,7 @@ from proxnav.missions import Mission
 from proxnav.models.card import ModelCard, write_card
 from proxnav.models.loading import load_model
 from proxnav.trials.calibration import calibrated_trust
-from proxnav.trials.conditions import all_conditions
+from proxnav.trials.conditions import all_conditions, teaches
 from proxnav.trials.running import TrialRun
 
 _SEED = 70_000
@@ -30,7 +30,7 @@ def calibrate_trust(
     if loaded.shape is None:
         raise InputError(f"{model}: trust is calibrated for models whose poses are aligned; this one has no alignment")
     run = TrialRun(mission, str(model), frames, _SEED, workers=workers, on=on, out=kept, progress=progress)
-    results = run.results(all_conditions(mission))
+    results = run.results([one for one in all_conditions(mission) if teaches(one.name)])
     card = replace(loaded.card, trust=calibrated_trust(results, trust_of(loaded)))
     write_card(model, card)
     return card

@@ -29,4 +29,7 @@ def _factors(content: dict[str, Any]) -> ProtectionFactors:
     a, b = tuple(content["edges"]), [tuple(map(float, row)) for row in content["factors"]]
     if len(b) != len(a) + 1 or any(len(row) != 3 for row in b):
         raise ValueError("trust: a class of doubt needs three factors, and there is one class more than edges")
-    return ProtectionFactors(float(content["risk"]), a, tuple((x, y, z) for x, y, z in b))
+    widenings = tuple(float(value) for value in content["widenings"])
+    if len(widenings) != len(b):
+        raise ValueError("trust: a class of doubt needs a factor on the covariance")
+    return ProtectionFactors(float(content["risk"]), a, tuple((x, y, z) for x, y, z in b), widenings)

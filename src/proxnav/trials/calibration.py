@@ -9,7 +9,7 @@ from proxnav.pose.trust.evidence import doubt_rows
 from proxnav.pose.trust.hazard import HazardModel, UsualDoubts, fitted_hazard
 from proxnav.pose.trust.protection import ProtectionFactors, calibrated_protection
 from proxnav.pose.trust.verdict import verdict_of
-from proxnav.trials.conditions import TWO_CRAFT, UNDECLARED
+from proxnav.trials.conditions import teaches
 from proxnav.trials.results import TrialResult, with_pose
 
 RISK_TOLD, RISK_UNTOLD = 1e-3, 5e-3
@@ -19,11 +19,8 @@ _FEWEST_WRONG, _FEWEST_GOOD = 4, 20
 
 
 def calibrated_trust(results: Sequence[TrialResult], config: TrustConfig) -> TrustCalibration | None:
-    """From trials under all conditions but those in which one picture cannot show the fault; None where too few.
-
-    A focal length that is off leaves every sign where it is, and the second of two craft is a craft of the same kind.
-    """
-    poses = [one for one in with_pose(results) if one.condition not in (UNDECLARED, TWO_CRAFT)]
+    """From trials under the conditions that teach; None where too few poses are good or hazardous."""
+    poses = [one for one in with_pose(results) if teaches(one.condition)]
     seen = [one for one in poses if _is_compared(one, config)]
     wrong = int(_hazards(seen).sum())
     if wrong < _FEWEST_WRONG or len(seen) - wrong < _FEWEST_GOOD:

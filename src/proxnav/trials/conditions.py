@@ -22,6 +22,7 @@ Change = Callable[[SceneSpec], SceneSpec]
 Told = Callable[[Camera], Camera]
 
 CUT, UNDECLARED, TWO_CRAFT = "cut by the frame", "focal length 1 % off, not declared", "two craft"
+_MODIFIED = "modified"
 FOCAL_ERROR = 0.01
 """Error of the focal length that the camera's file does not know, as a share."""
 
@@ -78,7 +79,7 @@ def conditions(mission: Mission, other_craft: Sequence[str], modifications: Sequ
         Condition("over-exposed 16 times", change=lambda scene: over_exposed(scene, 16.0)),
         Condition("focal length 1 % off, declared", told=_longer_declared),
         Condition(UNDECLARED, told=_longer),
-        *(Condition(f"modified: {name}", "modified target", subject=name) for name in modifications),
+        *(Condition(f"{_MODIFIED}: {name}", "modified target", subject=name) for name in modifications),
         Condition(TWO_CRAFT, "target twice"),
         *(Condition(f"other craft: {_short(name)}", "other craft", subject=name) for name in other_craft),
         Condition("sky and Earth", "no craft", change=without_target),
@@ -95,6 +96,15 @@ def all_conditions(mission: Mission, other_craft: Sequence[str] = (), only: str 
     if not rows:
         raise InputError(f"--only {only}: no condition has that in its name")
     return rows
+
+
+def teaches(condition: str) -> bool:
+    """Whether poses under a condition of that name calibrate trust: what one picture can show, of the craft itself.
+
+    A focal length that is off leaves every sign where it is, the second of two craft is a craft of the same kind, and a
+    craft that is nearly the target makes poses nearly right.
+    """
+    return condition not in (UNDECLARED, TWO_CRAFT) and not condition.startswith(_MODIFIED)
 
 
 def trial_scene(condition: Condition, mission: Mission, seed: int, index: int) -> TrialScene:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from proxnav.pose.trust import Evidence, Similarity, TrustCalibration, TrustConfig, judged
+from proxnav.pose.trust import Evidence, Similarity, TrustCalibration, TrustConfig, judged, widened
 from proxnav.pose.trust.evidence import doubt_rows
 from proxnav.pose.trust.hazard import HazardModel, UsualDoubts
 from proxnav.pose.trust.protection import ProtectionFactors
@@ -11,8 +11,8 @@ from proxnav.pose.trust.protection import ProtectionFactors
 GOOD = Evidence(0.995, 0.75, 0.02, 0.004, 0.8, Similarity(0.88, 0.1))
 TOLD = HazardModel(-10.0, 1.0, 1.0, 0.5, 0.1, 0.5, 3.0, limit=0.05, expected_risk=1e-3)
 UNTOLD = HazardModel(5.0, 1.5, 1.5, 1.5, 0.1, 0.5, 0.0, limit=0.05, expected_risk=5e-3)
-LEVELS = ProtectionFactors(1e-3, (), ((4.0, 5.0, 6.0),))
-WIDER = ProtectionFactors(1e-3, (), ((8.0, 8.0, 8.0),))
+LEVELS = ProtectionFactors(1e-3, (), ((4.0, 5.0, 6.0),), (1.5,))
+WIDER = ProtectionFactors(1e-3, (), ((8.0, 8.0, 8.0),), (4.0,))
 KNOWN = TrustConfig(
     range_m=(10.0, 100.0),
     calibration=TrustCalibration(TOLD, UNTOLD, UsualDoubts.of(doubt_rows([GOOD])), LEVELS, WIDER, 100),
@@ -52,3 +52,11 @@ def test_without_a_calibration_only_a_view_that_contradicts_refuses() -> None:
     assert status(GOOD, config=plain) == "ok"
     assert status(GOOD.seen(Similarity(0.2, 0.1)), config=plain) == "unlike_render"
     assert status(Evidence(0.1, 0.1, 1.0, 0.5, 1e-9), config=plain) == "ok"
+
+
+def test_covariances_are_widened_by_the_class_of_doubt_and_only_with_a_calibration() -> None:
+    for evidence, factor in ((GOOD, 1.5), (GOOD.seen(None), 4.0)):
+        trust = judged(evidence, 50.0, COVARIANCE, KNOWN)[1]
+        np.testing.assert_allclose(widened(COVARIANCE, trust, KNOWN), factor * COVARIANCE)
+    trust = judged(GOOD, 50.0, COVARIANCE, TrustConfig())[1]
+    np.testing.assert_array_equal(widened(COVARIANCE, trust, TrustConfig()), COVARIANCE)

@@ -2,6 +2,15 @@
 
 from proxnav.pose.trust.evidence import Evidence
 from proxnav.pose.trust.local_correlation import Similarity, local_correlation
-from proxnav.pose.trust.verdict import CheckedBy, TrustCalibration, TrustConfig, judged
+from proxnav.pose.trust.verdict import CheckedBy, TrustCalibration, TrustConfig, judged, widened
 
-__all__ = ["CheckedBy", "Evidence", "Similarity", "TrustCalibration", "TrustConfig", "judged", "local_correlation"]
+__all__ = [
+    "CheckedBy",
+    "Evidence",
+    "Similarity",
+    "TrustCalibration",
+    "TrustConfig",
+    "judged",
+    "local_correlation",
+    "widened",
+]

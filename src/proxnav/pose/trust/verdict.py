@@ -51,6 +51,15 @@ class TrustConfig:
     """None: only the predicted view counts, by `least_similarity`."""
 
 
+def widened(covariance: PoseCovariance, trust: Trust, config: TrustConfig) -> PoseCovariance:
+    """The covariance of a pose made as honest as poses of this doubt are; as it is without a calibration."""
+    known = config.calibration
+    if known is None or not np.isfinite(trust.hazard):
+        return covariance
+    factors = known.protection_untold if trust.verdict == "not_verifiable" else known.protection_told
+    return factors.widened(covariance, trust.hazard)
+
+
 def judged(evidence: Evidence, range_m: float, covariance: PoseCovariance, config: TrustConfig) -> tuple[
     PoseStatus, Trust
 ]:  # fmt: skip
