@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from boxcraft import QUADS, boxcraft
+from boxcraft import CORNERS, QUADS, boxcraft
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.calibration import CalibrationSigma
 from proxnav.geometry.compiled.lens import lens_numbers
@@ -18,10 +18,12 @@ from proxnav.pose.align import AlignConfig, Prior, align
 from proxnav.pose.align.config import USUAL_DOUBT
 from proxnav.pose.align.kernels.edges import edge_equations
 from proxnav.pose.align.outline import outline
+from proxnav.pose.align.rivals import rivals
 from proxnav.pose.align.score import Sampling, edge_share, region_misfit
 from proxnav.pose.align.target_crop import TargetCrop, target_box
 from proxnav.pose.align.wireframe import wireframe
 from proxnav.records import PoseResult
+from proxnav.targets import Target
 
 CAMERA = Camera(width=320, height=240, fx=420.0, fy=420.0, cx=163.0, cy=118.0)
 BENT = Camera(320, 240, 420.0, 420.0, 163.0, 118.0, distortion=(-0.2, 0.1, 0.001, -0.002, 0.0))
@@ -33,11 +35,13 @@ LINE = 40
 FINE = Sampling(blur_px=0.5, spacing_px=2.0)
 
 
-def painted(T: Pose, camera: Camera = CAMERA, sky: int = 12, noise: float = 2.0) -> np.ndarray:
+def painted(
+    T: Pose, camera: Camera = CAMERA, sky: int = 12, noise: float = 2.0, target: Target | None = None
+) -> np.ndarray:
     """The box, each side in its tone; lines are bent by the lens as the camera says."""
     fine = camera.resized(camera.width * FINER, camera.height * FINER)
     image = np.full((fine.height, fine.width), sky, np.uint8)
-    target = boxcraft()
+    target = target or boxcraft()
     eye = -T.R.T @ T.t_m
     for quad, tone in zip(QUADS, TONES, strict=True):
         corners = target.vertices_m[list(quad)]
@@ -105,6 +109,28 @@ def test_a_pose_that_is_off_is_laid_onto_the_image(camera, seed):
     assert after[2] < 0.05  # m
     assert after[3:].max() < 0.008  # rad
     assert np.linalg.norm(after) < 0.3 * np.linalg.norm(before)
+
+
+def dented(share: float) -> Target:
+    """The box with its +x +y edge pulled in: with a share near 1 half turns leave it nearly as it was."""
+    at_edge = ((CORNERS[:, 0] > 0.0) & (CORNERS[:, 1] > 0.0))[:, None]
+    corners = np.where(at_edge, CORNERS * [1.0, share, 1.0], CORNERS)
+    return replace(boxcraft(), vertices_m=corners, keypoints_m=corners)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_turned_pose_of_a_nearly_symmetric_craft_is_found_out(turned):
+    target = dented(0.78)
+    mistaken = rivals(target, POSE)
+    assert len(mistaken) >= 2
+    for start in mistaken if turned else [POSE]:
+        found = align(painted(POSE, target=target), CAMERA, target, prior_of(start, 0.05, 0.02))
+        assert found is not None
+        assert np.abs(difference(found.T_cam_target, POSE))[3:].max() < 0.02  # rad
+
+
+def test_a_craft_that_half_turns_change_has_no_rivals():
+    assert rivals(dented(-0.5), POSE) == []
 
 
 @pytest.mark.parametrize(("k", "sigma"), [(0, CalibrationSigma(0.02, 0.0)), (1, CalibrationSigma(0.0, 3.0))])

@@ -1,6 +1,6 @@
 """A keypoint pose refined on the image itself: the outline of the known target is fitted to the image's edges."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, UInt8
@@ -12,6 +12,7 @@ from proxnav.pose.align.config import AlignConfig
 from proxnav.pose.align.intrinsics import outline_moves
 from proxnav.pose.align.prior import Prior
 from proxnav.pose.align.refine import FINE, LAST_STEP, ROUGH, refine
+from proxnav.pose.align.rivals import rivals
 from proxnav.pose.align.score import Sampling, edge_share, score
 from proxnav.pose.align.target_crop import TargetCrop, target_box
 from proxnav.targets import Target
@@ -29,6 +30,8 @@ FINISHED = 2
 """Rough poses, the best by their score, that are refined finely."""
 TEMPERATURE = 0.05
 """Score by which a pose must be better to count e times as much in the covariance."""
+CLEARLY = 0.05
+"""Score by which the other pose of a nearly symmetric craft must be better to be believed against the keypoints."""
 _AT_START, _AFTER_ROUGH, _AFTER_FINE = Sampling(1.5, 5.0), Sampling(0.7, 3.0), Sampling(0.5, 2.0)
 DEFAULT = AlignConfig()
 
@@ -83,8 +86,9 @@ def align(
     crop = _crop(grey, camera, target, rough[0][1], FINE_SIDE_PX) if rough else None
     if crop is None:
         return None
-    found = [_finished(start, crop, target, prior) for _, start in rough]
-    return _judged([one for one in found if one is not None], crop, target, prior, config)
+    finished = [_finished(start, crop, target, prior) for _, start in rough]
+    found = [one for one in finished if one is not None]
+    return _judged(found + _better_rivals(found, crop, target, prior), crop, target, prior, config)
 
 
 def _crop(
@@ -104,6 +108,26 @@ def _starts(target: Target, prior: Prior, crop: TargetCrop) -> list[Pose]:
 
 def _finished(start: Pose, crop: TargetCrop, target: Target, prior: Prior) -> _Candidate | None:
     refined = refine(target, start, crop, prior, FINE)
+    if refined is None:
+        return None
+    reached = score(target, refined.T_cam_target, crop, prior, _AFTER_FINE)
+    return _Candidate(reached, refined.T_cam_target, np.linalg.inv(refined.information))
+
+
+def _better_rivals(found: list[_Candidate], crop: TargetCrop, target: Target, prior: Prior) -> list[_Candidate]:
+    """Poses for which the best one may be mistaken, where the image clearly likes them better."""
+    if not found:
+        return []
+    best = max(found, key=lambda one: one.score)
+    tried = [_rival(pose, crop, target, prior) for pose in rivals(target, best.T_cam_target)]
+    return [one for one in tried if one is not None and one.score > best.score + CLEARLY]
+
+
+def _rival(pose: Pose, crop: TargetCrop, target: Target, prior: Prior) -> _Candidate | None:
+    """A rival laid onto the image from where it is, scored as all others are."""
+    there = replace(prior, T_cam_target=pose)
+    rough = refine(target, pose, crop, there, ROUGH)
+    refined = None if rough is None else refine(target, rough.T_cam_target, crop, there, FINE)
     if refined is None:
         return None
     reached = score(target, refined.T_cam_target, crop, prior, _AFTER_FINE)
