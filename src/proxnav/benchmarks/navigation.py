@@ -17,7 +17,7 @@ from proxnav.flight.sensors.star_tracker import StarTrackerConfig
 from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
 from proxnav.flight.truth import TruthConfig
 from proxnav.missions import fly, load_mission
-from proxnav.navigation.config import FilterNoise, NavigationConfig
+from proxnav.navigation.config import SURVEYED, FilterNoise, NavigationConfig
 from proxnav.storage.files import write_json
 
 FAULTS: dict[Fault, float] = {
@@ -94,5 +94,6 @@ def _job(
     mission = load_mission(flight)
     return RunJob(
         fly(mission.flight.trajectory), seconds, mission.target, mission.camera,
-        SimulationConfig(truth, sensing), NavigationConfig(coupling=coupling, gyro=gyro, noise=noise),
+        SimulationConfig(truth, sensing),
+        NavigationConfig(coupling=coupling, gyro=gyro, noise=noise, geometry=SURVEYED),
     )  # fmt: skip

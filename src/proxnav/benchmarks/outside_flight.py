@@ -117,11 +117,19 @@ def _fly(flight: OutsideFlight, seconds: float, rng: np.random.Generator) -> tup
     r, v = _orbit(perigee, flight.eccentricity, rng)
     rate = float(np.linalg.norm(np.cross(r, v)) / (r @ r))
     rates = np.deg2rad(flight.tumble_deg_s) * unit(rng.normal(size=3))
-    a, b, c = np.array(flight.inertia) * (1.0 + _INERTIA_SIGMA * rng.normal(size=3))
-    body = RigidBody(r, v, quaternion.random(rng, 1)[0], rates, (a, b, c))
+    body = RigidBody(r, v, quaternion.random(rng, 1)[0], rates, _moments(flight.inertia, rng))
     rho, rho_dot = _beside(rate, rng)
     other = RigidBody(*eci_from_ric(r, v, rho, rho_dot), np.array([1.0, 0, 0, 0]), np.zeros(3), (1.0, 1.0, 1.0))
     return fly_pair(body, other, seconds, _SAMPLE_S, 4e-12 * flight.air, 400e3)
+
+
+def _moments(thought: Triple, rng: np.random.Generator) -> Triple:
+    """Real moments near those that are thought: none larger than the two others together."""
+    for _ in range(_TRIES):
+        a, b, c = np.array(thought) * (1.0 + _INERTIA_SIGMA * rng.normal(size=3))
+        if 2.0 * max(a, b, c) < a + b + c:
+            return a, b, c
+    raise AssertionError("no body has such moments")
 
 
 def _orbit(perigee: float, e: float, rng: np.random.Generator) -> tuple[Vector3, Vector3]:

@@ -3,13 +3,14 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.geometry import quaternion
 from proxnav.geometry.types import Rotation3x3, Vector3
 from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.kernels.published import pose_errors, published
 from proxnav.navigation.kernels.seen_pose import true_pose
-from proxnav.navigation.layout import N_FIXED, Covariance, PoseCovariance, StateVector, X
+from proxnav.navigation.layout import N_FIXED, N_POSE, Covariance, PoseCovariance, StateVector, X
 from proxnav.navigation.process_noise import SLOW_ACCELERATION
 from proxnav.navigation.readings import GyroReading, StarFix
 from proxnav.records import NavState, NavStatus
@@ -41,6 +42,10 @@ class Memory:
     """Share of the poses' claimed covariance that is new in each frame, beyond what the error model says."""
     pose_count: float = 0.0
     """Poses that taught it, by what they are worth."""
+    last_innovation: Float[np.ndarray, "6"] = field(default_factory=lambda: np.zeros(N_POSE))
+    """Of the last pose that taught, whitened."""
+    log_memory: float = 0.0
+    """Logarithm of how long the poses' errors last, in units of the error model's time."""
     slow_variance: Vector3 = field(default_factory=lambda: np.square(SLOW_ACCELERATION))
     """Of the slow acceleration, RIC axes [m^2/s^4], as the flight shows it."""
     turn_factor: float = 1.0

@@ -16,8 +16,8 @@ from proxnav.navigation.kernels.dynamics import squared_rate
 from proxnav.navigation.layout import N_POSE, E, PoseCovariance, X, diagonal
 from proxnav.navigation.process_noise import SLOW_ACCELERATION, TURN_SHARE
 
-_PRIOR_FRAMES = 10
-"""So many frames weigh as much as the error model."""
+_PRIOR_FRAMES = 4
+"""So many frames weigh as much as the error model: an estimator of another kind is to be known before it is refused."""
 _MOST_FRAMES = 100.0
 """So many frames back the poses' errors are remembered: views change within minutes."""
 _LEAST_NEW = 0.3
@@ -26,6 +26,13 @@ _MOST_NEW = 2.0
 """One frame counts as at most this share: what is larger is a wrong pose, not noise."""
 _LEAST_LASTING = 0.01
 """Of the model's lasting share."""
+_MEMORY_FRAMES = 60
+"""So many frames weigh as much as the model's memory."""
+_ALIKE_PER_LOG = 0.18
+"""Correlation of neighbouring innovations where errors last e times shorter than the filter thinks, at the model's
+shares and a frame a second."""
+_LOG_MEMORY = float(np.log(1.0 / 20.0)), float(np.log(2.0))
+"""Least and most."""
 _SLOW_S = 200.0
 """Over so long the slow acceleration's size is learnt."""
 _TURN_S = 100.0
@@ -69,7 +76,26 @@ def taught_by_pose(
     count = min(memory.pose_count + weight, _MOST_FRAMES)
     excess = min(shown, _MOST_NEW) - setup.config.noise.poses.white_share
     new = memory.new_share + weight / (count + _PRIOR_FRAMES) * (excess - memory.new_share)
-    return replace(belief, memory=replace(memory, new_share=new, pose_count=count))
+    innovation = np.linalg.solve(np.linalg.cholesky(S), y)
+    taught = replace(
+        memory, new_share=new, pose_count=count, last_innovation=innovation, log_memory=_log_memory(memory, innovation)
+    )
+    return replace(belief, memory=taught)
+
+
+def memory_s(memory: Memory, setup: FilterSetup) -> float:
+    """How long the camera's errors last."""
+    return setup.lasting_tau_s * float(np.exp(memory.log_memory))
+
+
+def _log_memory(memory: Memory, innovation: Float[np.ndarray, "6"]) -> float:
+    """Logarithm of how long the errors last, in units of the model's time, after one more whitened innovation.
+
+    Neighbours of one sign say that errors change faster than the filter lets them.
+    """
+    alike = float(innovation @ memory.last_innovation) / N_POSE
+    step = alike / (_ALIKE_PER_LOG * (memory.pose_count + _MEMORY_FRAMES))
+    return float(np.clip(memory.log_memory - step, *_LOG_MEMORY))
 
 
 def resized(belief: Tracking, before: Memory, setup: FilterSetup) -> Tracking:

@@ -31,7 +31,7 @@ from proxnav.navigation.layout import (
     X,
     diagonal,
 )
-from proxnav.navigation.learnt_noise import lasting_share, resized, taught_by_pose, white_share
+from proxnav.navigation.learnt_noise import lasting_share, memory_s, resized, taught_by_pose, white_share
 from proxnav.navigation.readings import GnssFix, KeypointFrame, PoseFix, StarFix
 
 _WINDOW = 16
@@ -156,7 +156,7 @@ def redrawn(belief: Tracking, C: PoseCovariance, setup: FilterSetup) -> Tracking
     C: claimed covariance of the pose in this view, dr in target axes.
     """
     errors, P = lasting_share(belief.memory, setup) * C, belief.P.copy()
-    keep = np.exp(-(belief.t - belief.camera_t) / setup.lasting_tau_s)
+    keep = np.exp(-(belief.t - belief.camera_t) / memory_s(belief.memory, setup))
     known = belief.pose_errors
     P[E.pose_error, E.pose_error] += (1.0 - keep**2) * (errors - known) if known.any() else errors
     return replace(belief, P=P, pose_errors=errors)

@@ -12,8 +12,8 @@ from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.kernels.dynamics import advance
 from proxnav.navigation.kernels.gravity_gradient import gradient_transition
 from proxnav.navigation.layout import E, X, diagonal
-from proxnav.navigation.learnt_noise import taught_by_motion
-from proxnav.navigation.process_noise import ANGLE_VAR, SLOW_VARIANCE, TURN_SHARE
+from proxnav.navigation.learnt_noise import memory_s, taught_by_motion
+from proxnav.navigation.process_noise import ANGLE_VAR, CAMERA_TAU, SLOW_VARIANCE, TURN_SHARE
 from proxnav.navigation.readings import Acceleration, GyroReading
 
 _LONGEST_S = 2.0
@@ -88,6 +88,7 @@ def _kicked(belief: Tracking, dv_cam: Vector3, dt: float, setup: FilterSetup) ->
 def _step(belief: Tracking, t: float, setup: FilterSetup, steps: list[Step] | None) -> Tracking:
     dt, gyro = t - belief.t, belief.memory.gyro
     noise, memory = setup.noise.copy(), taught_by_motion(belief, dt, setup)
+    noise[CAMERA_TAU] = memory_s(memory, setup)
     noise[SLOW_VARIANCE], noise[TURN_SHARE] = memory.slow_variance, memory.turn_factor * noise[TURN_SHARE]
     if setup.has_gyro and t - gyro.t > _GAP_S:
         noise[ANGLE_VAR] = (_STALE_RATE * dt) ** 2 + _STALE_RATE**2 * dt
