@@ -8,6 +8,10 @@ class InputError(ValueError):
     """
 
 
+SUSPECT = 3
+"""Exit status of a command that has done its work and says that its result is not to be trusted."""
+
+
 class InputNote(UserWarning):
     """Something about the input that its giver should know and that stops nothing, in a sentence.
 

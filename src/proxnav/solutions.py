@@ -12,6 +12,7 @@ from proxnav.cluster.jobs import is_elsewhere
 from proxnav.cluster.many_runs import NamedRun, files_of, run_many
 from proxnav.cluster.progress import Progress, silent
 from proxnav.datasets.sensor_records.record_files import read_records
+from proxnav.evaluation.doubts import doubts_of, events
 from proxnav.evaluation.flight_accuracy import accuracy, accuracy_line, mean_accuracy
 from proxnav.evaluation.navigation_errors import NavErrors, mean_nis, nav_errors, outcomes
 from proxnav.evaluation.solution_files import solution_columns
@@ -21,7 +22,7 @@ from proxnav.geometry.calibration import CalibrationSigma
 from proxnav.geometry.types import Points
 from proxnav.navigation.config import NavigationConfig
 from proxnav.navigation.filter_setup import setup_of
-from proxnav.navigation.navigator import run_filter
+from proxnav.navigation.navigator import navigated
 from proxnav.navigation.smoother import smooth
 from proxnav.records import NavState
 from proxnav.storage.files import read_json, write_json
@@ -54,12 +55,15 @@ class FlightSolution:
     rejected: Mapping[str, Mapping[str, int]]
     """Rows of each sensor's file that were left out, by reason."""
     starts: int
+    doubts: tuple[str, ...]
+    """What speaks against the solution, a sentence each; none where nothing does."""
 
     def text(self, out: Path) -> str:
         """The solution in `out` for people."""
         known = sum(state is not None for state in self.states)
         lines = [
-            f"{known} states of {len(self.states)} in {out / 'solution.csv'}; the filter started {self.starts} time(s)"
+            f"{known} states of {len(self.states)} in {out / 'solution.csv'}; the filter started {self.starts} time(s)",
+            *(f"SUSPECT: {doubt}" for doubt in self.doubts),
         ]
         for name, reasons in self.rejected.items():
             counts = ", ".join(f"{count} rows {reason}" for reason, count in reasons.items())
@@ -92,7 +96,8 @@ def solve_flight(records: Path, how: SolutionOptions, out: Path, progress: Progr
     if truth is not None:
         times = times[(times >= truth.t[0]) & (times <= truth.t[-1])]
     with progress("navigate", len(times)) as done:
-        states, judged, last = run_filter(read.records, setup, times, done)
+        found = navigated(read.records, setup, times, done)
+    states = found.states
     errors = nav_errors(states, truth.at(times)) if truth is not None else None
     _write(out, "solution", states, errors)
     if errors is not None and np.isfinite(errors.nees).any():
@@ -102,11 +107,13 @@ def solve_flight(records: Path, how: SolutionOptions, out: Path, progress: Progr
         smoothed = [s for s in smooth(read.records, setup) if truth is None or truth.t[0] <= s.t <= truth.t[-1]]
         at = np.array([s.t for s in smoothed])
         _write(out, "smoothed", smoothed, nav_errors(smoothed, truth.at(at)) if truth is not None else None)
-    summary = {"rejected_rows": read.rejected, "readings": outcomes(judged), "starts": last.memory.starts,
-               "mean_nis": {kind: value for kind, (value, _) in mean_nis(judged, times[0] + 60.0).items()}}  # fmt: skip
-    summary |= accuracy(errors) if errors is not None else {}
+    starts, doubts = found.belief.memory.starts, doubts_of(found)
+    summary = {"verdict": "suspect" if doubts else "ok", "doubts": doubts, "starts": starts, **events(found),
+               "rejected_rows": read.rejected, "readings": outcomes(found.judged),
+               "mean_nis": {k: value for k, (value, _) in mean_nis(found.judged, times[0] + 60.0).items()}}  # fmt: skip
+    summary |= accuracy(errors) if errors is not None and np.isfinite(errors.nees).any() else {}
     write_json(out / SUMMARY, summary, indent=1)
-    return FlightSolution(states, errors, read.rejected, last.memory.starts)
+    return FlightSolution(states, errors, read.rejected, starts, doubts)
 
 
 def solve_flights(
@@ -116,7 +123,9 @@ def solve_flights(
     runs = [(flight.name, flight) for flight in flights]
     send = _carried if is_elsewhere(options.on) else None
     run_many("navigate", SolveJob(how), runs, options, SUMMARY, send, progress)
-    found = mean_accuracy([read_json(options.out / name / SUMMARY, "the summary of a flight") for name, _ in runs])
+    summaries = [read_json(options.out / name / SUMMARY, "the summary of a flight") for name, _ in runs]
+    found = mean_accuracy(summaries)
+    found["suspect"] = [name for (name, _), one in zip(runs, summaries, strict=True) if one["verdict"] != "ok"]
     write_json(options.out / "monte_carlo.json", found, indent=1)
     return found
 

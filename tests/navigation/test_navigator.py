@@ -19,7 +19,7 @@ from proxnav.navigation.config import FilterNoise, NavigationConfig
 from proxnav.navigation.filter_setup import setup_of
 from proxnav.navigation.layout import E
 from proxnav.navigation.measurements import in_target_axes, lasting_of_keypoints, lasting_of_pose
-from proxnav.navigation.navigator import Navigator, run_filter
+from proxnav.navigation.navigator import Judged, Navigator, run_filter
 from proxnav.navigation.predicted_measurement import predict_measurement
 from proxnav.navigation.readings import GnssFix, GyroReading, KeypointFrame, PoseFix, Reading, rank
 from proxnav.navigation.smoother import smooth
@@ -103,19 +103,27 @@ def test_readings_that_come_twice_or_too_late_or_from_the_future_are_counted_and
     _, records = fly(seconds=60.0)
     setup = setup_of(records, points(), CAMERA, TIGHT)
     stream = readings(records, setup)
-    navigator = Navigator(setup, 0.0)
+    judged: list[Judged] = []
+    navigator = Navigator(setup, 0.0, judged.append)
     for reading in stream:
         navigator.receive(reading)
     before = navigator.belief
     last = stream[-1]
     frame = last_of(KeypointFrame, stream)
-    assert navigator.receive(frame) == "duplicate"
-    assert navigator.receive(replace(last_of(GnssFix, stream), t=5.3)) == "late"
-    assert navigator.receive(GyroReading(5_000.0, last.received, np.zeros(3), 1.0)) == "ahead"
+    assert navigator.receive(frame).verdict.outcome == "duplicate"
+    assert navigator.receive(replace(last_of(GnssFix, stream), t=5.3)).verdict.outcome == "late"
+    assert navigator.receive(GyroReading(5_000.0, last.received, np.zeros(3), 1.0)).verdict.outcome == "ahead"
+    assert navigator.receive(GyroReading(5_000.0, 5_000.0, np.zeros(3), 1.0)).verdict.outcome == "invalid"
     assert navigator.belief is before
     navigator.finish()
-    counts = outcomes(navigator.judged)
-    assert counts["keypoints"]["duplicate"] == counts["gnss"]["late"] == counts["gyro"]["ahead"] == 1
+    counts = outcomes(judged)
+    assert (
+        counts["keypoints"]["duplicate"]
+        == counts["gnss"]["late"]
+        == counts["gyro"]["ahead"]
+        == counts["gyro"]["invalid"]
+        == 1
+    )
 
 
 def test_swapped_keypoints_are_refused_and_do_no_harm() -> None:

@@ -92,7 +92,7 @@ def run_case(case: Case, job: RunJob) -> RunResult:
     """Simulates, breaks, filters, compares."""
     rng = np.random.default_rng((case.seed, 20241101))
     target = load_target(job.target)
-    truth, clean = simulate(_piece(job, rng), target, job.camera, job.simulation, rng)
+    truth, clean = simulate(piece(job, rng), target, job.camera, job.simulation, rng)
     found = judged_run(truth, with_fault(clean, case.fault, rng), target, job.camera, job.filter)
     position, attitude = _single_frames(truth, clean)
     return replace(found, single_position_m=position, single_attitude_rad=attitude)
@@ -197,7 +197,7 @@ def _mean_nis(results: Sequence[RunResult]) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _piece(job: RunJob, rng: np.random.Generator) -> Trajectory:
+def piece(job: RunJob, rng: np.random.Generator) -> Trajectory:
     """`duration_s` of the reference from a random instant."""
     t = job.reference.t
     first = rng.uniform(t[0], max(t[-1] - job.duration_s, t[0]))

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from proxnav.benchmarks.campaign import Campaign
 from proxnav.benchmarks.filter_speed import measure_speed
+from proxnav.benchmarks.monitoring import monitoring
 from proxnav.benchmarks.monte_carlo import RunJob, honesty, judge_fault, summarise
 from proxnav.benchmarks.navigation_parts import Part
 from proxnav.benchmarks.outside import ROWS
@@ -15,7 +16,7 @@ from proxnav.benchmarks.outside_flight import OutsideJob
 from proxnav.flight.faults import Fault
 from proxnav.flight.sensors.star_tracker import StarTrackerConfig
 from proxnav.flight.simulate import Grade, SensingConfig, SimulationConfig
-from proxnav.flight.truth import TruthConfig
+from proxnav.flight.truth import TruthConfig, TumbleConfig
 from proxnav.missions import fly, load_mission
 from proxnav.navigation.config import SURVEYED, FilterNoise, NavigationConfig
 from proxnav.storage.files import write_json
@@ -34,6 +35,7 @@ def measure_navigation(parts: Sequence[Part], campaign: Campaign) -> dict[str, A
     measures: dict[Part, Callable[[Campaign], dict[str, Any]]] = {
         "consistency": consistency, "accuracy": accuracy, "faults": faults, "speed": speed,
         "outside": outside,
+        "monitor": monitor,
     }  # fmt: skip
     found = {}
     for part in parts:
@@ -83,6 +85,17 @@ def outside(campaign: Campaign) -> dict[str, Any]:
 def speed(_: Campaign) -> dict[str, Any]:
     """Time of one prediction and one update with 24 keypoints on one core."""
     return measure_speed(load_mission("spiral-10-100m").camera, "space-rider")
+
+
+def monitor(campaign: Campaign) -> dict[str, Any]:
+    """What the monitor says of honest flights, of faults that the filter copes with, and of wrong records."""
+    spiral, approach = _job("spiral-10-100m", 900.0, "code"), _job("approach-100-10m", 900.0, "carrier")
+    tumbling = replace(spiral.simulation, truth=replace(spiral.simulation.truth, tumble=TumbleConfig()))
+    free = replace(spiral.filter, target="free", inertia=TumbleConfig().inertia)
+    return monitoring(
+        {"spiral, code GNSS": spiral, "approach, carrier GNSS": approach,
+         "spiral, tumbling": replace(spiral, simulation=tumbling, filter=free)}, campaign,
+    )  # fmt: skip
 
 
 def _job(

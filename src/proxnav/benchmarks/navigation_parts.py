@@ -2,4 +2,4 @@
 
 from typing import Literal
 
-Part = Literal["consistency", "accuracy", "faults", "speed", "outside"]
+Part = Literal["consistency", "accuracy", "faults", "speed", "outside", "monitor"]

@@ -15,7 +15,10 @@ _EXTRAS = dict.fromkeys(("torch", "torchvision", "lightning", "lightning_fabric"
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs `proxnav COMMAND ...` and returns the exit status: 0 done, 1 bad input, 2 wrong usage, 130 interrupted."""
+    """Runs `proxnav COMMAND ...` and returns the exit status.
+
+    0 done, 1 bad input, 2 wrong usage, 3 done but not to be trusted, 130 interrupted.
+    """
     argv = sys.argv[1:] if argv is None else argv
     if not argv or argv[0] in _HELP:
         print(_overview())
@@ -48,7 +51,7 @@ def _run(name: str, argv: list[str]) -> int:
 
     try:
         with _notes_in_a_line(name):
-            _choose(name, argv)
+            return _choose(name, argv)
     except InputError as error:
         print(f"proxnav {name}: {error}", file=sys.stderr)
         return 1
@@ -93,22 +96,23 @@ def _notes_in_a_line(name: str) -> Iterator[None]:
         yield
 
 
-def _choose(name: str, argv: list[str]) -> None:
-    """Calls the command, or the one of its group that the next word names."""
+def _choose(name: str, argv: list[str]) -> int:
+    """Exit status of the command, or of the one of its group that the next word names."""
     from proxnav.errors import InputError
 
     entry = COMMANDS[name]
     if isinstance(entry, Command):
-        _call(entry, name, argv)
-    elif not argv or argv[0] in _HELP:
+        return _call(entry, name, argv)
+    if not argv or argv[0] in _HELP:
         print(_group_overview(name, entry))
     elif argv[0] not in entry.commands:
         raise InputError(f"'{argv[0]}' is not one of {', '.join(entry.commands)}")
     else:
-        _call(entry.commands[argv[0]], f"{name} {argv[0]}", argv[1:])
+        return _call(entry.commands[argv[0]], f"{name} {argv[0]}", argv[1:])
+    return 0
 
 
-def _call(command: Command, name: str, argv: list[str]) -> None:
+def _call(command: Command, name: str, argv: list[str]) -> int:
     """Hands over; words that are URLs become folders here while the command runs."""
     from proxnav.cli.help_pages import FULL, explain
     from proxnav.cli.parser import config_of, function_of, parsed
@@ -116,15 +120,16 @@ def _call(command: Command, name: str, argv: list[str]) -> None:
     function = function_of(command)
     kind = config_of(function)
     if {*_HELP, FULL} & set(argv):
-        return explain(kind, name, FULL in argv)
+        explain(kind, name, FULL in argv)
+        return 0
     _refuse_renamed(command, argv)
     _refuse_both(argv)
     if not any("://" in word for word in argv):
-        return function(parsed(kind, argv, name))
+        return function(parsed(kind, argv, name)) or 0
     from proxnav.cli.remote import localised
 
     with localised(argv) as words:
-        return function(parsed(kind, words, name))
+        return function(parsed(kind, words, name)) or 0
 
 
 def _refuse_renamed(command: Command, argv: list[str]) -> None:
@@ -148,7 +153,7 @@ def _overview() -> str:
     return (
         "usage: proxnav COMMAND [options]\n\nRelative navigation of spacecraft from one camera.\n\n"
         f"{_table(COMMANDS)}\n\n'proxnav COMMAND --help' explains one. Exit status: 0 done, 1 bad input, "
-        "2 wrong usage, 130 interrupted."
+        "2 wrong usage, 3 done but not to be trusted, 130 interrupted."
     )
 
 

@@ -34,10 +34,10 @@ class NavigateConfig(CameraOptions, WorkerOptions):
     filter: NavigationConfig = field(default_factory=NavigationConfig)
 
 
-def run(config: NavigateConfig) -> None:
-    """Solves one flight, or each of a folder."""
+def run(config: NavigateConfig) -> int:
+    """Solves one flight, or each of a folder; the exit status is 3 where a solution is suspect."""
     from proxnav.cli.progress import progress, say_when_compiling
-    from proxnav.errors import InputError
+    from proxnav.errors import SUSPECT, InputError
     from proxnav.evaluation.flight_accuracy import accuracy_line
     from proxnav.missions import mission_in
     from proxnav.solutions import SolutionOptions, flights_in, solve_flight, solve_flights
@@ -61,9 +61,13 @@ def run(config: NavigateConfig) -> None:
     )
     say_when_compiling("navigation")
     if not flights:
-        print(solve_flight(config.records, how, out, progress).text(out))
-        return
+        solution = solve_flight(config.records, how, out, progress)
+        print(solution.text(out))
+        return SUSPECT if solution.doubts else 0
     found = solve_flights(flights, how, replace(config, out=out), progress)
     print(f"{found['flights']} flights in {out}, {found['starts']} starts")
     if found["with_truth"]:
         print(accuracy_line(found))
+    if found["suspect"]:
+        print(f"SUSPECT: {len(found['suspect'])} flights, {', '.join(found['suspect'][:5])}: see their summary.json")
+    return SUSPECT if found["suspect"] else 0

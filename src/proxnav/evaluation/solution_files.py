@@ -29,16 +29,16 @@ ERROR_COLUMNS = [f"error_{name}" for name in _ERRORS] + ["nees", "inside_3_sigma
 
 
 def solution_columns(states: Sequence[NavState | None], errors: NavErrors | None = None) -> dict[str, list]:
-    """Columns by name; instants before the first pose are left out."""
-    known = [i for i, state in enumerate(states) if state is not None]
-    rows = np.array([_row(state) for state in states if state is not None]).reshape(len(known), -1)
+    """Columns by name; instants before the first pose are left out, and a filter that never started leaves no row."""
+    known = np.array([i for i, state in enumerate(states) if state is not None], dtype=np.int64)
     names = [*STATE_COLUMNS, *SIGMA_COLUMNS, *COVARIANCE_COLUMNS]
+    rows = np.array([_row(state) for state in states if state is not None]).reshape(len(known), len(names))
     table: dict[str, list] = {"status": [state.status for state in states if state is not None]}
-    table |= {name: column.tolist() for name, column in zip(names, rows.T, strict=True)} if len(known) else {}
+    table |= {name: column.tolist() for name, column in zip(names, rows.T, strict=True)}
     if errors is not None:
         extra = np.c_[errors.errors, errors.nees, errors.inside_3_sigma][known]
         table |= {name: column.tolist() for name, column in zip(ERROR_COLUMNS, extra.T, strict=True)}
-    return table
+    return table | {"cause": [state.cause for state in states if state is not None]}
 
 
 def _row(state: NavState) -> Float[np.ndarray, "n_columns"]:

@@ -24,6 +24,27 @@ def _no_reading_yet() -> GyroReading:
     return GyroReading(-np.inf, -np.inf, np.zeros(3), 0.0)
 
 
+@dataclass(frozen=True, slots=True)
+class Restart:
+    """A pose that started a lost filter anew."""
+
+    t: float
+    refused: int
+    """Frames that were refused among the last `frames`."""
+    frames: int
+    moved_m: float
+    """How far the new start lies from where the filter was."""
+    turned_rad: float
+
+    @property
+    def cause(self) -> str:
+        """What happened, a clause for people."""
+        return (
+            f"{self.refused} of the last {self.frames} frames were refused; the pose that started it lies "
+            f"{self.moved_m:.2f} m and {np.rad2deg(self.turned_rad):.1f} deg from where the filter was"
+        )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Memory:
     """What the filter remembers of its readings, with a state or without."""
@@ -50,6 +71,8 @@ class Memory:
     """Of the slow acceleration, RIC axes [m^2/s^4], as the flight shows it."""
     turn_factor: float = 1.0
     """Size of the target's unmodelled angular acceleration as the flight shows it, in that assumed at first."""
+    restarts: tuple[Restart, ...] = ()
+    """All starts but the first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

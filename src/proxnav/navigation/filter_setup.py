@@ -22,7 +22,7 @@ from proxnav.records import Antennas, SensorRecords
 
 R_RIC_LVLH = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """LVLH: x along the flight, y against the orbit's normal, z to nadir."""
-_LONGEST_EPHEMERIS_STEP_S = 120.0
+LONGEST_EPHEMERIS_STEP_S = 120.0
 
 
 class Ephemeris(NamedTuple):
@@ -131,7 +131,7 @@ def filter_setup(
         config=config, layout=Layout(len(points) if config.coupling == "tight" else 0, n_calibration),
         camera=camera.undistorted(), real_camera=camera,
         sigma_in_poses=camera.calibration_sigma if sigma_in_poses is None else sigma_in_poses,
-        points_m=points, ephemeris=_in_order(ephemeris),
+        points_m=points, ephemeris=in_order(ephemeris),
         antennas=config.antennas or antennas, has_gyro=gyro,
         R_ric_held=R_RIC_LVLH @ quaternion.to_matrix(np.array(config.held.q_lvlh_target)), inertia=np.array(inertia),
         shares=shares, noise=noise_vector(config, gyro, n_calibration), frame_gates=frame_gates(2 * len(points)),
@@ -162,14 +162,14 @@ def setup_of(
     return filter_setup(ephemeris, points_m, camera, config, has_gyro, sigma_in_poses, antennas)
 
 
-def _in_order(ephemeris: Ephemeris) -> Ephemeris:
+def in_order(ephemeris: Ephemeris) -> Ephemeris:
     """By time, as compiled code takes it. InputError where its steps are too long."""
     order = np.argsort(ephemeris.t, kind="stable")
     t, r, v = (np.ascontiguousarray(column, dtype=np.float64)[order] for column in ephemeris)
-    if len(t) < 2 or not np.diff(t).min() > 0.0 or np.diff(t).max() > _LONGEST_EPHEMERIS_STEP_S:
+    if len(t) < 2 or not np.diff(t).min() > 0.0 or np.diff(t).max() > LONGEST_EPHEMERIS_STEP_S:
         gap = f"{np.diff(t).max():g} s" if len(t) > 1 else f"{len(t)} row"
         raise InputError(
-            f"the ephemeris needs distinct times at most {_LONGEST_EPHEMERIS_STEP_S:g} s apart, found {gap}: "
+            f"the ephemeris needs distinct times at most {LONGEST_EPHEMERIS_STEP_S:g} s apart, found {gap}: "
             "give it in smaller steps"
         )
     return Ephemeris(t, r, v)

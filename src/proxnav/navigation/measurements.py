@@ -43,7 +43,10 @@ _STREAK = 8
 _MOST_CALIBRATION = 0.99
 """Share of a pose's variance in any direction that may be the calibration's."""
 
-Outcome = Literal["accepted", "gated", "no_points", "not_started", "started", "late", "duplicate", "ahead", "invalid"]
+Outcome = Literal[
+    "accepted", "gated", "no_points", "not_started", "started", "late", "duplicate", "ahead", "invalid", "unused"
+]  # fmt: skip
+"""invalid: taken where the ephemeris does not reach; unused: keypoints where poses are measured instead."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from proxnav.geometry import quaternion, so3
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION
 from proxnav.geometry.types import Rotation3x3, Vector3
-from proxnav.navigation.belief import Belief, Memory, Tracking, Waiting
+from proxnav.navigation.belief import Belief, Memory, Restart, Tracking, Waiting, nav_state
 from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.gates import ATTITUDE_GATE
 from proxnav.navigation.kernels.attitude_control import control_error
@@ -58,7 +58,7 @@ def started(belief: Belief, star: StarFix, fix: PoseFix, setup: FilterSetup) -> 
         P[E.pose_error, E.pose_error] = errors
     if held:
         x, P = _as_held(x, P, setup, belief.t)
-    memory = replace(belief.memory, starts=belief.memory.starts + 1)
+    memory = replace(belief.memory, starts=belief.memory.starts + 1, restarts=_restarts(belief, fix, setup))
     streak = belief.star_streak if isinstance(belief, Tracking) else 0
     return Tracking(belief.t, x, P, belief.t, memory, errors, star_streak=streak)
 
@@ -96,6 +96,16 @@ def _open_pose(P: Covariance, errors: _StartErrors, fix: PoseFix, setup: FilterS
     pose, across = setup.layout.places(E.position, E.attitude), J @ P
     P[pose, :], P[:, pose] = across, across.T
     P[np.ix_(pose, pose)] = across @ J.T + errors.pose @ (_LOOSE**2 * fix.covariance) @ errors.pose.T
+
+
+def _restarts(belief: Belief, fix: PoseFix, setup: FilterSetup) -> tuple[Restart, ...]:
+    if isinstance(belief, Waiting):
+        return belief.memory.restarts
+    before = nav_state(belief, setup)
+    moved = float(np.linalg.norm(fix.t_cam_target_m - before.t_cam_target_m))
+    turned = float(quaternion.angle_between(before.q_cam_target, fix.q_cam_target))
+    again = Restart(belief.t, belief.frames.count(False), len(belief.frames), moved, turned)
+    return (*belief.memory.restarts, again)
 
 
 def disagrees_with_control(belief: Belief, star: StarFix, fix: PoseFix, setup: FilterSetup) -> bool:

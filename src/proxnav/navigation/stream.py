@@ -50,6 +50,14 @@ def readings(records: SensorRecords, setup: FilterSetup) -> list[Reading]:
     return sorted(found, key=lambda reading: reading.received)
 
 
+def monitored(records: SensorRecords, setup: FilterSetup) -> list[Reading]:
+    """All readings in the order of arrival, with those that only the monitor looks at."""
+    found = readings(records, setup)
+    if records.keypoints is None or setup.config.coupling == "tight":
+        return found
+    return sorted([*found, *_keypoints(records.keypoints, setup)], key=lambda reading: reading.received)
+
+
 def _gyro(data: GyroData) -> Iterator[GyroReading]:
     """Each with its step: the time since the one before, over gaps the usual one."""
     steps = np.diff(data.t)

@@ -13,10 +13,13 @@ from jaxtyping import Float
 from proxnav.geometry.arrays import frozen
 from proxnav.records.scene import Triple
 
-NavStatus = Literal["waiting", "tracking", "coasting", "lost"]
-"""waiting: no pose yet; tracking: camera accepted lately; coasting: predicted; lost: measurements contradict it."""
+NavStatus = Literal["waiting", "tracking", "coasting", "lost", "suspect"]
+"""waiting: no pose yet; tracking: camera accepted lately; coasting: predicted; lost: measurements contradict it.
 
-NAV_STATUSES: tuple[NavStatus, ...] = ("waiting", "tracking", "coasting", "lost")
+suspect: sensors contradict each other as a wrong convention of files does; the state's `cause` names it.
+"""
+
+NAV_STATUSES: tuple[NavStatus, ...] = ("waiting", "tracking", "coasting", "lost", "suspect")
 
 
 class NavBlocks(NamedTuple):
@@ -193,8 +196,10 @@ class NavState:
     """Covariance of the errors, in the blocks of NAV_ERRORS; attitude: q_true = q * exp(theta / 2), target axes."""
     pose_covariance: Float[np.ndarray, "6 6"]
     """Covariance of (dt, dr) of T_cam_target in camera axes, as PoseResult has it."""
+    cause: str = ""
+    """What makes the state suspect, for people."""
 
     def __post_init__(self) -> None:
-        for f in fields(self)[2:]:
+        for f in fields(self)[2:-1]:
             shape = {"q_cam_target": (4,), "covariance": (12, 12), "pose_covariance": (6, 6)}.get(f.name, (3,))
             object.__setattr__(self, f.name, frozen(getattr(self, f.name), shape, f.name))
