@@ -183,7 +183,10 @@ def test_a_held_target_that_looks_elsewhere_is_not_believed_and_the_filter_says_
     setup = setup_of(broken, points(), CAMERA, TIGHT)
     states, judged, last = run_filter(broken, setup, np.array([39.0, truth.t[-1]]))
     assert last.memory.starts == 1
-    assert [state.status for state in states if state is not None] == ["tracking", "lost"]
+    assert last.status == "lost"
+    assert [state.status for state in states if state is not None] == ["tracking", "suspect"]  # the monitor has seen it
+    assert states[-1] is not None
+    assert "turned by 90 deg from the attitude that it should hold" in states[-1].cause
     assert outcomes(judged)["poses"]["gated"] > 20  # each pose was offered as a new start
 
 

@@ -37,7 +37,10 @@ def attitude_account(scene: Scene, star: Convention, pose: PoseConvention) -> Ac
         return AGREES
     best = int(np.argmin(found.chi2))
     if best and found.fits(best):
-        cause = f"the target's axes look permuted: {_NAMES[best]} of the poses' are those of the held attitude"
+        cause = (
+            f"the poses show the target turned by {angle:.0f} deg from the attitude that it should hold: axes that are "
+            f"permuted, {_NAMES[best]} of the held ones, or a view that is taken for another"
+        )
         return Account(1.2, KIND, cause, chi2=float(found.chi2[best]))
     cause = f"the poses show the target turned by {angle:.0f} deg from the attitude that it should hold: give "
     cause += "--filter.held.q-lvlh-target or --filter.target free"
@@ -49,7 +52,7 @@ def _noise(scene: Scene) -> Noise:
     sights, setup = scene.with_star, scene.setup
     assert sights is not None
     C = sights.covariance[:, ROTATION, ROTATION]
-    size: Float[np.ndarray, n] = np.trace(C, axis1=1, axis2=2) / 3.0
+    size = np.trace(C, axis1=1, axis2=2) / 3.0
     shares = setup.config.noise.poses
     white = np.repeat(shares.white_share * size[:, None], 3, axis=1)
     lasting = (shares.lasting_share + 0.2) * float(np.median(size)) + setup.config.held.sigma**2 + _SLACK**2

@@ -7,7 +7,7 @@ from proxnav.geometry import quaternion
 from proxnav.geometry.types import QuatWxyz
 from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.monitor.account import AGREES, NOT_COMPARED, Account, unexplained
-from proxnav.navigation.monitor.conventions import SIGNED_AXES, Convention, signed_axes
+from proxnav.navigation.monitor.conventions import AS_ASKED, SIGNED_AXES, Convention, signed_axes
 from proxnav.navigation.monitor.evidence import CLEARLY, Fit, Noise, fit
 from proxnav.navigation.monitor.scene import Pairs, Scene
 
@@ -42,7 +42,7 @@ def gyro_account(scene: Scene, star: Convention, excluded: frozenset[int]) -> Ac
     if fits and found.chi2[0] > best + CLEARLY:
         fits.sort(key=lambda k: (found.chi2[k] > best + 0.5 * CLEARLY, k < len(SIGNED_AXES), found.chi2[k]))
         return Account(1.0, KIND, _named(fits), chi2=float(found.chi2[fits[0]]))
-    return _constant(scene, star, bool(excluded))
+    return _constant(scene, star, bool(excluded) and star is AS_ASKED)
 
 
 def gyro_fit(scene: Scene, star: Convention) -> Fit | None:
