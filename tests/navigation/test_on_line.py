@@ -65,7 +65,7 @@ def vector(state: NavState) -> np.ndarray:
 
 def test_a_killed_and_resumed_navigator_goes_on_with_the_same_bytes(tmp_path: Path) -> None:
     _, records = fly(seconds=70.0)
-    setup = setup_on_line(records, TIGHT)
+    setup = setup_on_line(records, LOOSE)
     stream = monitored(records, setup)
     navigator = Navigator(setup, 0.0, other=other_orbit(records))
     half = len(stream) // 2

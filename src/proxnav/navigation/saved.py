@@ -46,6 +46,8 @@ class SavedNavigator:
     recent: tuple[Reading, ...]
     next_t: float | None
     first_t: float
+    force_t: float
+    burn_t: float
     refusals: Refusals
 
     @classmethod
@@ -57,12 +59,14 @@ class SavedNavigator:
         return cls(
             setup.config, setup.real_camera, setup.sigma_in_poses, setup.points_m, setup.ephemeris, setup.antennas,
             setup.has_gyro, origin, ring, newest, monitor.other, monitor.learnt, tuple(monitor.recent), monitor.next_t,
-            monitor.first_t, refusals,
+            monitor.first_t, monitor.force_t, monitor.burn_t, refusals,
         )  # fmt: skip
 
     def monitor(self, setup: FilterSetup) -> Monitor:
         """The monitor as it was."""
-        return Monitor(setup, self.other, self.learnt, list(self.recent), self.next_t, self.first_t)
+        return Monitor(
+            setup, self.other, self.learnt, list(self.recent), self.next_t, self.first_t, self.force_t, self.burn_t
+        )
 
 
 def setup_of_saved(saved: SavedNavigator) -> FilterSetup:

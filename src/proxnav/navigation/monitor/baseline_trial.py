@@ -17,6 +17,8 @@ KIND = "GNSS against camera"
 _DIRECTION = 0.01
 """Error of the camera's direction that is nobody's fault [rad]: half a degree of mounting."""
 _LONGEST_ARM_M = 15.0
+_FREE_OFFSET = 10.0
+"""Chi-square that an offset which is fitted must gain."""
 CAUSES = (
     "", "the GNSS baseline is opposite to the camera's: from the target's antenna to the chaser's is wanted",
     *(f"the GNSS baseline looks given in {axes} axes{way}" for axes in ("RIC", "LVLH", "camera", "target")
@@ -91,8 +93,8 @@ def _antennas(scene: Scene, star: Convention, pose: PoseConvention) -> Account:
         if found is not None and found.fits(0) and np.linalg.norm(offset) < limit:
             x, y, z = offset
             return Account(
-                1.5, KIND, f"the GNSS baseline misses the camera's by ({x:.1f}, {y:.1f}, {z:.1f}) m in {axes} axes: "
-                "check where the antennas sit",
+                1.0, KIND, f"the GNSS baseline misses the camera's by ({x:.1f}, {y:.1f}, {z:.1f}) m in {axes} axes: "
+                "check where the antennas sit", chi2=float(found.chi2[0]) + _FREE_OFFSET,
             )  # fmt: skip
     return unexplained(
         KIND, "the GNSS baseline contradicts the camera's, and no convention of sign or axes explains it"

@@ -37,10 +37,13 @@ class Fit(NamedTuple):
 
     chi2: Float[np.ndarray, "n_hypotheses"]
     dof: int
+    constant: Float[np.ndarray, "n_hypotheses"]
+    """The part of it, of 3 degrees of freedom, that an error lasting through the window makes."""
 
     def refuted(self, k: int = 0) -> bool:
         """Whether honest residuals would never look so."""
-        return bool(self.chi2[k] > _SLACK * _bound(_REFUTED, self.dof))
+        lasting = self.constant[k] > _SLACK * _bound(_REFUTED, 3)
+        return bool(lasting or self.chi2[k] > _SLACK * _bound(_REFUTED, self.dof))
 
     def fits(self, k: int) -> bool:
         """Whether residuals look as honest ones do."""
@@ -66,7 +69,9 @@ def fit(t: Float[np.ndarray, "n"], residuals: Float[np.ndarray, "h n 3"], noise:
     e, w = np.take_along_axis(e, order[:, :, None], axis=1), 1.0 / variance[order]
     s = (e * w).sum(axis=1)
     total = (e * e * w).sum(axis=(1, 2)) - (s * s / (1.0 / noise.constant + w.sum(axis=1))).sum(axis=1)
-    return Fit(total, kept * 3)
+    sum_w = w.sum(axis=1)
+    constant = (np.square(s / sum_w) / (noise.constant + 1.0 / sum_w)).sum(axis=1)
+    return Fit(total, kept * 3, constant)
 
 
 def _blocks(t: Float[np.ndarray, "n"]) -> list[Bool[np.ndarray, "n"]]:

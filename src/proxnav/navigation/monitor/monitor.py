@@ -1,6 +1,7 @@
 """The monitor: raw readings in, findings out. It never touches the filter's state."""
 
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -29,6 +30,8 @@ LATE_S = 4.0
 _AGAIN = 3
 """A contradiction that no convention explains is said when it has been met so often in a row."""
 _UNNAMED = 2.5
+_BURN = 0.02  # m/s^2, where nobody tells of thrusters
+Motion = Literal["coasting", "perhaps steered"]
 CLOCK_OF_GYRO, CLOCK_OF_CAMERA = "gyro against star tracker", "camera against star tracker"
 
 
@@ -63,10 +66,17 @@ class Monitor:
     next_t: float | None = None
     """When the next verdict is due."""
     first_t: float = 0.0
+    force_t: float = -np.inf
+    """Last reading of the accelerometer..."""
+    burn_t: float = -np.inf
+    """... and the last one within a burn [s]."""
 
     def take(self, reading: Reading) -> None:
         """Keeps a reading for the next verdict, which is given when it is due."""
         if isinstance(reading, Acceleration):
+            self.force_t = reading.t
+            if reading.thrust > 0.5 or (reading.thrust < 0.0 and float(np.linalg.norm(reading.specific_force)) > _BURN):
+                self.burn_t = reading.t
             return
         if self.next_t is None:
             self.first_t, self.next_t = reading.received, reading.received + FIRST_AFTER_S
@@ -80,7 +90,8 @@ class Monitor:
 
     def _judge(self, last: float, now: float) -> None:
         scene = scene_of(window_of(self.recent, last - WINDOW_S, last), self.setup)
-        self.learnt = judged(scene, self.other, self.learnt, last, now)
+        coasts = self.force_t > last - LATE_S and self.burn_t < last - WINDOW_S
+        self.learnt = judged(scene, self.other, self.learnt, (last, now), "coasting" if coasts else "perhaps steered")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +102,19 @@ class _Story:
     accounts: tuple[Account, ...]
 
 
-def judged(scene: Scene, other: OtherOrbit | None, learnt: Learnt, last: float, now: float) -> Learnt:
-    """What is known after one more window, which ends at `last`, at the time `now` of its verdict."""
+def judged(
+    scene: Scene, other: OtherOrbit | None, learnt: Learnt, when: tuple[float, float], motion: Motion
+) -> Learnt:  # fmt: skip
+    """What is known after one more window; `when`: its end, and the time of its verdict.
+
+    Only a path that no thruster bends is as smooth as the camera's clock needs it.
+    """
+    last, now = when
     plain = _story(scene, AS_ASKED, READINGS_OF_POSES[0], learnt)
     clocks = (learnt.gyro_clock, learnt.camera_clock)
     if plain.cost == 0.0 and last - WINDOW_S >= learnt.clocks_t:  # windows that share no reading, conventions that hold
-        clocks = gyro_clock(scene, clocks[0]), camera_clock(scene, clocks[1])
+        camera = camera_clock(scene, clocks[1]) if motion == "coasting" else clocks[1]
+        clocks = gyro_clock(scene, clocks[0]), camera
         if scene.window.span_s > 0.9 * WINDOW_S:
             learnt = replace(learnt, gyro_clock=clocks[0], camera_clock=clocks[1], clocks_t=last)
     open_kinds = {account.kind for account in plain.accounts if account.cost} - learnt.settled
