@@ -12,7 +12,7 @@ from proxnav.geometry.types import Box, GreyImage, Image, Points, Vector3
 from proxnav.images.size import check_size
 from proxnav.images.tones import grey_8_bit
 from proxnav.models.loading import Detect, DetectIn, Model, load_model
-from proxnav.pose.align import AlignConfig, Alignment, Prior, align
+from proxnav.pose.align import CLEARLY, AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose
 from proxnav.pose.trust import CheckedBy, Evidence, Similarity, TrustConfig, judged, widened
@@ -97,8 +97,7 @@ class PoseEstimator:
         """Keypoints and pose before any verdict, with the evidence; None without a pose or where nothing is checked."""
         check_size(image, camera)
         grey = grey_8_bit(image)
-        keypoints, of_keypoints = self._from_keypoints(grey, camera, box)
-        found = self._aligned(grey, camera, keypoints, of_keypoints)
+        keypoints, of_keypoints, found = self._better_look(grey, camera, *self._from_keypoints(grey, camera, box))
         if found is not None and found.edge_share < self.alignment.least_edge_share:
             return keypoints, PoseResult.failure("no_consensus", len(of_keypoints.inliers)), None
         result = of_keypoints if found is None else replace(
@@ -123,7 +122,7 @@ class PoseEstimator:
     def alignment_of(self, image: Image, camera: Camera) -> Alignment | None:
         """How the pose of an image was laid onto it; None where there is no pose or it stayed that of the keypoints."""
         grey = grey_8_bit(image)
-        return self._aligned(grey, camera, *self._from_keypoints(grey, camera, None))
+        return self._better_look(grey, camera, *self._from_keypoints(grey, camera, None))[2]
 
     def solve(self, keypoints: Keypoints, camera: Camera) -> PoseResult:
         """Pose from keypoints that were detected before."""
@@ -157,6 +156,19 @@ class PoseEstimator:
         finer = self.detect_in(grey, box)
         finer_result = self.solve(finer, camera)
         return (keypoints, result) if finer_result.T_cam_target is None else (finer, finer_result)
+
+    def _better_look(
+        self, grey: GreyImage, camera: Camera, keypoints: Keypoints, result: PoseResult
+    ) -> tuple[Keypoints, PoseResult, Alignment | None]:
+        """Keypoints, their pose and its alignment: of the upright crop, unless a turned one is clearly better."""
+        found = self._aligned(grey, camera, keypoints, result)
+        if keypoints.upright is None or found is None:
+            return keypoints, result, found
+        upright = self.solve(keypoints.upright, camera)
+        other = self._aligned(grey, camera, keypoints.upright, upright)
+        if other is None or other.score + CLEARLY <= found.score:
+            return keypoints, result, found
+        return keypoints.upright, upright, other
 
     def _aligned(self, grey: GreyImage, camera: Camera, keypoints: Keypoints, result: PoseResult) -> Alignment | None:
         """The keypoint pose laid onto the image."""

@@ -77,6 +77,8 @@ class Keypoints:
     """Confidence of each keypoint, 0 to 1."""
     box_xyxy: Box
     """Box of the target [px]; NaN when there is none."""
+    upright: "Keypoints | None" = None
+    """What the same network reads in the crop as it stands, where it is nearly as sure of that and not sure which."""
 
     def __post_init__(self) -> None:
         n = len(self.pixels)

@@ -163,3 +163,20 @@ def test_a_keypoint_that_was_not_found_has_no_place_and_no_score():
     found = detector.detect_in(image, np.array([10.0, 10.0, 60.0, 60.0]))
     np.testing.assert_array_equal(np.isfinite(found.pixels).all(axis=1), [True, False, False])
     np.testing.assert_allclose(found.scores, [0.9, 0.0, 0.0], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("upright", "turned", "kept"), [(0.5, 0.95, False), (0.95, 0.96, True), (0.96, 0.95, False)], ids=str
+)
+def test_the_upright_reading_is_kept_where_a_turned_one_is_hardly_surer(upright, turned, kept):
+    def read(crops):
+        scores = np.tile(np.array([upright, 0.1, turned, 0.1], np.float32)[:, None], (1, 4))
+        return [np.full((4, 4, 2), 32.0), scores, np.tile(np.eye(2), (4, 4, 1, 1)), np.ones(4)]
+
+    detector = HeatmapDetector(read, read, 4, HeatmapSettings(crop_side=64, turns=4))
+    image = np.random.default_rng(1).integers(0, 255, (80, 80), dtype=np.uint8)
+    found = detector.detect_in(image, np.array([10.0, 10.0, 60.0, 60.0]))
+    assert found.median_score == pytest.approx(max(upright, turned))
+    assert (found.upright is not None) == kept
+    if found.upright is not None:
+        assert found.upright.median_score == pytest.approx(upright)

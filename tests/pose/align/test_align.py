@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from boxcraft import CORNERS, QUADS, boxcraft
+from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.calibration import CalibrationSigma
 from proxnav.geometry.compiled.lens import lens_numbers
@@ -22,7 +23,7 @@ from proxnav.pose.align.rivals import rivals
 from proxnav.pose.align.score import Sampling, edge_share, region_misfit
 from proxnav.pose.align.target_crop import TargetCrop, target_box
 from proxnav.pose.align.wireframe import wireframe
-from proxnav.records import PoseResult
+from proxnav.records import Keypoints, PoseResult
 from proxnav.targets import Target
 
 CAMERA = Camera(width=320, height=240, fx=420.0, fy=420.0, cx=163.0, cy=118.0)
@@ -225,3 +226,22 @@ def test_an_image_without_edges_leaves_the_pose_where_the_keypoints_put_it():
     found = align(dark, CAMERA, boxcraft(), prior_of(POSE))
     assert found is not None
     np.testing.assert_allclose(difference(POSE, found.T_cam_target), np.zeros(6), atol=1e-6)
+
+
+def read_at(T: Pose) -> Keypoints:
+    """Keypoints as a network reads them that sees the box at a pose."""
+    pixels = CAMERA.project(T @ CORNERS)
+    return Keypoints("ok", pixels, np.tile(2.0 * np.eye(2), (8, 1, 1)), np.full(8, 0.99), np.array([0, 0, 1, 1.0]))
+
+
+@pytest.mark.parametrize("upright_is_right", [True, False])
+def test_of_two_readings_of_a_crop_the_one_that_explains_the_image_is_taken(upright_is_right):
+    right, wrong = (read_at(moved(POSE, np.array([0, 0, 0, 0, 0, turn]))) for turn in (0.0, 0.6))
+    turned, upright = (wrong, right) if upright_is_right else (right, wrong)
+    shape = boxcraft()
+    estimator = PoseEstimator(
+        lambda _: replace(turned, upright=upright), shape.keypoints_m, shape.keypoint_names, shape.name, shape=shape
+    )
+    found = estimator(painted(POSE), CAMERA).T_cam_target
+    assert found is not None
+    assert np.abs(difference(found, POSE))[3:].max() < 0.02  # rad

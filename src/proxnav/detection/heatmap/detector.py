@@ -1,6 +1,6 @@
 """Full frame in, keypoints with covariances out: find, crop, read. Needs no torch."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,8 @@ _PATCHES = 2
 """Patches of the finder's map that are cropped: the largest may be a cloud."""
 _SURE = 0.9
 """Median score at which no other crop is read."""
+_CLOSE = 0.4
+"""Doubt of the surest turn over that of the upright crop above which scores do not tell which of the two is right."""
 _MIN_SHOWN = 0.02
 """Share of the crop that must show the target."""
 
@@ -89,7 +91,9 @@ class HeatmapDetector:
             self._keypoints(crop, box, quarters, *(answer[quarters] for answer in answers))
             for quarters in range(self.settings.turns)
         ]
-        return max(looks, key=lambda look: look.lower_quartile_score)
+        best = max(looks, key=lambda look: look.lower_quartile_score)
+        close = 1.0 - best.lower_quartile_score > _CLOSE * (1.0 - looks[0].lower_quartile_score)
+        return replace(best, upright=looks[0]) if close and best is not looks[0] else best
 
     def _keypoints(
         self, crop: Crop, box: Box, quarters: int, points: Float[np.ndarray, "n 2"],

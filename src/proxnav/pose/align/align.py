@@ -46,6 +46,8 @@ class Alignment:
     among it."""
     outline_covariance: PoseCovariance
     """The part of it that `covariance_scale` multiplies, before that."""
+    score: float
+    """How well the pose explains the image; compares poses within one image."""
     edge_share: float
     """Share of the outline that lies on edges of the image."""
     doubt: float
@@ -151,4 +153,4 @@ def _judged(
     alone = config.widening(prior.doubt) * best.covariance
     moves = outline_moves(target, best.T_cam_target, crop, prior, *LAST_STEP)
     covariance = config.covariance_scale * alone + between + moves @ moves.T
-    return Alignment(best.T_cam_target, covariance, alone, share, prior.doubt, moves)
+    return Alignment(best.T_cam_target, covariance, alone, best.score, share, prior.doubt, moves)
