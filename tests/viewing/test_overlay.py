@@ -35,8 +35,8 @@ def test_an_ellipse_lies_about_its_keypoint_and_is_three_sigma_wide(pixel: list[
 
 def test_true_keypoints_are_crosses_where_they_project() -> None:
     point = np.array([[1.0, -0.5, 0.0]])  # at (130, 65) px
-    with_cross = overlay(BLACK, CAMERA, T_true=T, points_target_m=point).astype(int)
-    cross = np.abs(with_cross - overlay(BLACK, CAMERA, T_true=T)).astype(np.uint8)
+    with_cross = overlay(BLACK, CAMERA, T_true=T, points_target_m=point, axis_m=1.0).astype(int)
+    cross = np.abs(with_cross - overlay(BLACK, CAMERA, T_true=T, axis_m=1.0)).astype(np.uint8)
     np.testing.assert_allclose(_middle(cross), [130.5, 65.5], atol=0.6)
 
 
