@@ -18,6 +18,8 @@ export PYTHONPATH="$PWD/src${PYTHONPATH:+:$PYTHONPATH}" OMP_NUM_THREADS=1 NUMBA_
 export NUMBA_CACHE_DIR="${NUMBA_CACHE_DIR:-/tmp/numba}"
 work=$(mktemp -d)
 mkdir -p "$out"
+# Compiles the kernels once, for all processes.
+python3 -m proxnav.cli.main mission show "$mission" --frames 1 --drawn 1 --out "$work/first.png" >/dev/null
 hours=$(python3 -c "print($minutes / 60)")
 python3 -m proxnav.cli.main train heatmap --mission "$mission" --out "$work" --side 192 --workers "$workers" --repeats 6 \
     --training.start "$start" --training.rate 1e-3 --training.loop.steps 1000000 --training.loop.hours "$hours" \
