@@ -52,3 +52,14 @@ def test_every_library_that_the_package_imports_is_a_dependency_or_an_extra() ->
 def test_every_direct_dependency_has_its_version_in_the_constraints() -> None:
     fixed = {line.split("==")[0].lower().replace("_", "-") for line in (ROOT / "constraints.txt").read_text().split()}
     assert names(WANTED) - fixed - WITH_PINS == set()
+
+
+def test_no_docstring_begins_in_the_middle_of_a_phrase() -> None:
+    """What a value is stands first: "Of the target." under a name is half a sentence."""
+    found = [
+        f"{path.name}:{number}"
+        for path in (ROOT / "src").rglob("*.py")
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if line.lstrip().startswith('"""Of ')
+    ]
+    assert found == []

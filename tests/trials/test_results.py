@@ -13,7 +13,7 @@ from proxnav.trials import running
 from proxnav.trials.calibration import calibrated_trust
 from proxnav.trials.conditions import TWO_CRAFT, UNDECLARED, Condition
 from proxnav.trials.results import TrialResult, from_json, to_json
-from proxnav.trials.running import KEPT, TrialRun, read_results
+from proxnav.trials.running import TrialRun
 
 
 def test_a_pose_is_hazardous_by_size_by_covariance_or_by_what_is_not_there() -> None:
@@ -67,13 +67,15 @@ def test_an_interrupted_run_draws_only_what_is_missing(tmp_path, monkeypatch: py
     monkeypatch.setattr(running, "run_anywhere", answers)
     run = TrialRun(mission(), "space-rider", 2, 7, out=tmp_path)
     assert [one.key for one in run.results([Condition("nominal")])] == ["nominal/0", "nominal/1"]
-    with (tmp_path / KEPT).open("a") as file:
+    assert run.kept is not None
+    with run.kept.open("a") as file:
         file.write('{"key": "nom')  # a run that was killed while it wrote
     assert len(replace(run, frames=3).results([Condition("nominal")])) == 3
     assert drawn == ["nominal/0", "nominal/1", "nominal/2"]
     replace(run, seed=8, frames=1).results([Condition("nominal")])
     assert drawn[3:] == ["nominal/0"]
-    assert len(read_results(tmp_path)) == 1
+    replace(run, frames=3).results([Condition("nominal")])  # those of the first seed are still there
+    assert drawn[4:] == []
 
 
 def mission():

@@ -13,10 +13,10 @@ from proxnav.geometry.types import QuatWxyz, Vector3
 from proxnav.records.scene import Triple
 
 _STEP_S = 0.1
-"""Of Basilisk's own fourth-order Runge-Kutta integration."""
+"""Step of Basilisk's own fourth-order Runge-Kutta integration."""
 _SCALE_HEIGHT_M = 60e3
 _MASS_KG, _AREA_M2, _DRAG = (4900.0, 24.0), (8.0, 0.06), 2.2
-"""Of target and chaser."""
+"""Mass and area are those of target and chaser."""
 
 
 @dataclass(frozen=True)

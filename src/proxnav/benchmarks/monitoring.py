@@ -23,7 +23,7 @@ from proxnav.records import SensorRecords
 from proxnav.targets.loading import load_target
 
 SHORT_S = 130.0
-"""Of a flight with a mistake, which is there from the start."""
+"""Duration of a flight with a mistake, which is there from the start."""
 
 
 @dataclass(frozen=True)

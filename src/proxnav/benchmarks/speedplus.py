@@ -69,12 +69,12 @@ def _measured(
     with progress(domain.name, len(domain.images)) as done:
         records, _ = estimate_images(domain.images, camera, source.model, backend, 0, workers, on, done)
     frames = pair({record.filename: record for record in records}, domain.truth)
-    groups = {"all": frames} | by_range(frames) | _by_light(frames, domain.images)
+    groups = {"all": frames} | _by_range(frames) | _by_light(frames, domain.images)
     rows = {name: score_row(some) for name, some in groups.items() if some}
     return {"rows": rows, "frames": [_frame(frame) for frame in frames], "images_without_a_file": domain.missing}
 
 
-def by_range(frames: Sequence[PairedFrame]) -> dict[str, list[PairedFrame]]:
+def _by_range(frames: Sequence[PairedFrame]) -> dict[str, list[PairedFrame]]:
     """Frames by true range."""
     edges = list(pairwise(RANGES_M))
     return {f"{low:g}-{high:g} m": [f for f in frames if low <= f.range_m < high] for low, high in edges}

@@ -6,14 +6,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from proxnav.evaluation.consistency import THREE_SIGMA_NEES
 from proxnav.pose.trust import TrustConfig, judged, widened
 from proxnav.records.estimates import Trust
 from proxnav.trials.results import TrialResult, with_pose
 
 Light = Literal["told", "untold"]
 """Whether the estimator knows where the Sun stands."""
-BEYOND_3_SIGMA = 20.06
-"""99.73 % quantile of chi-square(6)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +71,7 @@ def _counts(poses: Sequence[TrialResult]) -> dict[str, Any]:
     if known:
         nees = np.array([one.nees for one in known])
         counts |= {"mean_e_c": float(np.mean([one.e_c for one in known])),
-                   "beyond_3_sigma": float(np.mean(nees > BEYOND_3_SIGMA)),
+                   "beyond_3_sigma": float(np.mean(nees > THREE_SIGMA_NEES)),
                    "median_nees": float(np.median(nees))}  # fmt: skip
     return counts
 

@@ -12,7 +12,8 @@ from proxnav.evaluation.pairing import PairedFrame
 from proxnav.geometry.mahalanobis import squared_mahalanobis
 
 _DEGREES_OF_FREEDOM = 6
-_THREE_SIGMA = chi2.ppf(0.9973, _DEGREES_OF_FREEDOM)  # holds as much probability as 3 sigma of one number
+THREE_SIGMA_NEES = chi2.ppf(0.9973, _DEGREES_OF_FREEDOM)
+"""Squared error whose ellipsoid holds as much probability as 3 sigma of one number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,7 @@ def consistency(frames: Sequence[PairedFrame]) -> Consistency | None:
         poses=m,
         mean_nees=float(values.mean()),
         nees_interval=(float(low), float(high)),
-        beyond_3_sigma=float((values > _THREE_SIGMA).mean()),
+        beyond_3_sigma=float((values > THREE_SIGMA_NEES).mean()),
         axis_beyond_3_sigma=float((np.abs(errors) > 3.0 * sigmas).mean()),
     )
 

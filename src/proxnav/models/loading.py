@@ -1,5 +1,7 @@
 """Models by name or folder, ready to run; needs no torch."""
 
+import hashlib
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,6 +53,19 @@ def load_model(model: str | Carried, backend: Backend = "auto", threads: int = 0
 def load_card(model: str) -> ModelCard:
     """The card of a shipped model or of a folder with a model.json; its networks stay closed."""
     return _card(_folder(model))[0]
+
+
+def model_digest(model: str) -> str:
+    """SHA-256 of all that a model's poses follow from before they are judged: its networks, its card without trust."""
+    described = _folder(model)
+    _, networks = _card(described)
+    digest = hashlib.sha256()
+    for folder in (described, networks):
+        content = {key: value for key, value in card_content(folder).items() if key != "trust"}
+        digest.update(json.dumps(content, sort_keys=True).encode())
+    for path in sorted(path for path in networks.iterdir() if path.suffix in (".onnx", ".safetensors")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def shipped_models() -> list[str]:

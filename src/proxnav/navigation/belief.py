@@ -64,11 +64,11 @@ class Memory:
     pose_count: float = 0.0
     """Poses that taught it, by what they are worth."""
     last_innovation: Float[np.ndarray, "6"] = field(default_factory=lambda: np.zeros(N_POSE))
-    """Of the last pose that taught, whitened."""
+    """Innovation of the last pose that taught, whitened."""
     log_memory: float = 0.0
     """Logarithm of how long the poses' errors last, in units of the error model's time."""
     slow_variance: Vector3 = field(default_factory=lambda: np.square(SLOW_ACCELERATION))
-    """Of the slow acceleration, RIC axes [m^2/s^4], as the flight shows it."""
+    """Variance of the slow acceleration, RIC axes [m^2/s^4], as the flight shows it."""
     turn_factor: float = 1.0
     """Size of the target's unmodelled angular acceleration as the flight shows it, in that assumed at first."""
     restarts: tuple[Restart, ...] = ()

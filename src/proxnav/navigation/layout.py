@@ -87,7 +87,7 @@ class Errors(NamedTuple):
     misalignment: slice
     clock: slice
     geometry: slice
-    """Of both craft and of the camera's clock: constants."""
+    """Centres of mass, misalignment and the camera's clock: constants."""
     motion: slice
     attitudes: slice
     vectors: slice

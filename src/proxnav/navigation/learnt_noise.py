@@ -21,11 +21,11 @@ _PRIOR_FRAMES = 4
 _MOST_FRAMES = 100.0
 """So many frames back the poses' errors are remembered: views change within minutes."""
 _LEAST_NEW = 0.3
-"""Of the model's new share; a mean of few frames may be anything, even negative."""
+"""Least new share over the model's; a mean of few frames may be anything, even negative."""
 _MOST_NEW = 2.0
 """One frame counts as at most this share: what is larger is a wrong pose, not noise."""
 _LEAST_LASTING = 0.01
-"""Of the model's lasting share."""
+"""Least lasting share over the model's."""
 _MEMORY_FRAMES = 60
 """So many frames weigh as much as the model's memory."""
 _ALIKE_PER_LOG = 0.18
@@ -38,7 +38,7 @@ _SLOW_S = 200.0
 _TURN_S = 100.0
 """Over so long the size of the unmodelled angular acceleration is learnt."""
 _LEAST_TURN = 0.05
-"""Of what is assumed at first."""
+"""Least angular acceleration over what is assumed at first."""
 _MOST_TURN = 1.0
 """Angular acceleration of a free body as a share of its squared rate."""
 

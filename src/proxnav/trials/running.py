@@ -14,15 +14,12 @@ from proxnav.detection.sessions import Backend
 from proxnav.estimator import PoseEstimator
 from proxnav.missions import Mission
 from proxnav.missions.files import mission_toml
-from proxnav.models.loading import carried_model
+from proxnav.models.loading import carried_model, model_digest
 from proxnav.targets import Target
 from proxnav.targets.loading import load_target
 from proxnav.trials.conditions import Condition, TrialScene, trial_scene
 from proxnav.trials.drawing import draw_trial
 from proxnav.trials.results import TrialResult, from_json, to_json
-
-KEPT = "trials.jsonl"
-"""File of the answers in a run's folder: a line that says of which options, then one line for each frame."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +59,8 @@ class TrialRun:
 
     def results(self, conditions: Sequence[Condition]) -> list[TrialResult]:
         """All answers, condition by condition; those of an interrupted run of the same options are taken over."""
-        kept = {} if self.out is None else _read(self.out / KEPT, self._mark)
+        path = self.kept
+        kept = {} if path is None else _read(path)
         scenes = [
             trial_scene(condition, self.mission, self.seed, index)
             for condition in conditions
@@ -76,34 +74,26 @@ class TrialRun:
         with self.progress("trials", len(scenes)) as done:
             for _, result in run_anywhere(job, scenes, self.workers, self.on, lambda trial: trial.key):
                 kept[result.key] = result
-                if self.out is not None:
-                    _append(self.out / KEPT, self._mark, result)
+                if path is not None:
+                    _append(path, result)
                 done()
         return [kept[f"{condition.name}/{index}"] for condition in conditions for index in range(self.frames)]
 
     @property
-    def _mark(self) -> str:
-        """Tells answers of the same model, mission and seed from others; more frames may be added later."""
-        options = f"{self.model} {self.seed} {mission_toml(self.mission)}"
-        return hashlib.sha256(options.encode()).hexdigest()
+    def kept(self) -> Path | None:
+        """File of the answers of this model, mission and seed, a line for each frame; more may be added."""
+        if self.out is None:
+            return None
+        options = f"{model_digest(self.model)} {self.seed} {mission_toml(self.mission)}"
+        return self.out / f"trials-{hashlib.sha256(options.encode()).hexdigest()[:12]}.jsonl"
 
 
-def read_results(folder: Path) -> list[TrialResult]:
-    """The answers of a run, whatever its options."""
-    lines = (folder / KEPT).read_text().splitlines()[1:]
-    return [from_json(json.loads(line)) for line in lines]
-
-
-def _read(path: Path, mark: str) -> dict[str, TrialResult]:
-    """Answers by key; the last line may be half written. Nothing when they are of other options."""
+def _read(path: Path) -> dict[str, TrialResult]:
+    """Answers by key; the last line may be half written."""
     if not path.is_file():
         return {}
-    lines = path.read_text().splitlines()
-    if not lines or json.loads(lines[0]).get("mark") != mark:
-        path.unlink()
-        return {}
     found = {}
-    for line in lines[1:]:
+    for line in path.read_text().splitlines():
         try:
             result = from_json(json.loads(line))
         except ValueError:
@@ -112,8 +102,7 @@ def _read(path: Path, mark: str) -> dict[str, TrialResult]:
     return found
 
 
-def _append(path: Path, mark: str, result: TrialResult) -> None:
+def _append(path: Path, result: TrialResult) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    first = "" if path.is_file() else json.dumps({"mark": mark}) + "\n"
     with path.open("a") as file:
-        file.write(first + json.dumps(to_json(result)) + "\n")
+        file.write(f"\n{json.dumps(to_json(result))}\n")  # a line of its own also after one that broke off

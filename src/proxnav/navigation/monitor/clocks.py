@@ -16,7 +16,7 @@ _SIGMAS = 5.0
 LEAST_OFFSET_S = 0.15
 """... and at least so large."""
 _DEGREE = 3
-"""Of the polynomial that the path of a minute is, axis by axis."""
+"""Degree of the polynomial that the path of a minute is, axis by axis."""
 _OUTLIER = 4.0
 _LEAST_SAMPLES = 15
 _SMOOTH_S = 2.0

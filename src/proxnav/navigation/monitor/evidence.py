@@ -27,7 +27,7 @@ class Noise(NamedTuple):
     white: Float[np.ndarray, "n 3"]
     """New in each sample."""
     constant: Float[np.ndarray, "3"]
-    """Of an error that lasts through the window."""
+    """Variance of an error that lasts through the window."""
     drift: float = 0.0
     """New in each block, but the same in all its samples."""
 

@@ -45,7 +45,7 @@ class Evidence:
     shift_share: float
     """Distance between the two, over the range."""
     p_value: float
-    """Of the residuals of all keypoints."""
+    """p-value of the residuals of all keypoints."""
     view: Similarity | None = None
     """Likeness to the view that is predicted under the Sun that was told; None where none was."""
 
