@@ -47,7 +47,7 @@ def test_a_flight_in_the_dark_is_one_sentence(tmp_path: Path, capsys: pytest.Cap
     out = str(tmp_path / "dark")
     argv = ["simulate", "--out", out, "--detector", "raycast", "--start-s", "6200", "--duration-s", "10"]
     assert main([*argv, "--truth.step-s", "0.5"]) == 1
-    assert "choose a sunlit piece" in capsys.readouterr().err
+    assert "in eclipse at all 2 instants" in capsys.readouterr().err
     assert not (tmp_path / "dark").exists()
 
 
