@@ -1,0 +1,1 @@
+"""Modules of Basilisk (AVSLab, ISC licence): a rendered camera, a pose sensor, relative navigation."""

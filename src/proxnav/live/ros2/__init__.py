@@ -1,0 +1,1 @@
+"""A node of ROS 2 over DDS, without a ROS installation."""
