@@ -47,6 +47,14 @@ def test_a_stream_of_samples_can_be_entered_anywhere():
     assert not np.array_equal(whole[0], whole[8])  # after both passes comes another block
 
 
+def test_learning_begins_with_the_first_few_samples():
+    first = list(islice(sample_source(Same(), workers=1, repeats=2, block=512)(0, 1), 128))
+    assert set(first) == set(range(64))
+    late = list(islice(sample_source(Same(), workers=1, repeats=2, block=512)(1024 + 70, 1), 1024))
+    assert set(late) <= set(range(512, 1536))
+    assert len(set(late)) > 512
+
+
 def test_ranks_draw_disjoint_samples_and_together_all_of_them():
     whole = set(range(24))
     shares = [set(islice(sample_source(Same(), workers=1, repeats=1, block=8)(rank, 2), 12)) for rank in (0, 1)]

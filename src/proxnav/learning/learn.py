@@ -26,8 +26,8 @@ A finder is soon good enough, and small crops teach most of what large ones do a
 _CONDITIONS = 15
 """Trust is calibrated on twenty conditions, with this much fewer frames under each than calibrate the covariances."""
 SMALL_PX, LARGE_PX, FINDER_PX = 128, 192, 256
-_REPEATS = 6
-"""Times that a drawn image is learnt from."""
+_REPEATS = 3
+"""Times that a drawn image is learnt from: on two cores, one draws as fast as the other learns (AMX)."""
 _MANY_STEPS = 10**7
 """Time ends a stage, not its steps."""
 _NEAREST = SHIPPED / "space-rider"
