@@ -17,8 +17,8 @@ class ConvertConfig:
     source: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")]
     """A folder or file of poses, or the files of one trajectory (target first, then chaser)."""
     to: str
-    """proxnav, coco, detectron2, speed, speed+, poses, urso, krn, spnv2, spec2019, spec2021, spark, bop, bop-results,
-    shards; trajectories: stk, ccsds, csv."""
+    """proxnav, coco, detectron2, yolo-pose, speed, speed+, poses, urso, krn, spnv2, spec2019, spec2021, spark, bop,
+    bop-results, shards; trajectories: stk, ccsds, csv."""
     out: Path
     """Folder to write; it must be empty or absent."""
     from_: Annotated[str, tyro.conf.arg(name="from")] = "auto"

@@ -174,7 +174,8 @@ def unpack_shards(place: str | Path, out: Path) -> Dataset:
     from proxnav.geometry import Camera
 
     camera = Camera.from_speed_json(out / "camera.json")
-    write_json(out / "annotations.json", coco.document(annotations, names, camera, index.keypoint_names))
+    sizes = [(camera.width, camera.height)] * len(names)
+    write_json(out / "annotations.json", coco.document(annotations, names, sizes, index.keypoint_names))
     return Dataset(out)
 
 

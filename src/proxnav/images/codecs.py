@@ -7,9 +7,10 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.geometry.types import Image
-from proxnav.images.size import check_claimed_size
+from proxnav.images.size import claimed_size
 
 MAX_BYTES = 2**29
+_HEADER_BYTES = 2**20  # notes of cameras may stand before a JPEG's size
 
 
 def read_image(path: Path) -> Image:
@@ -29,9 +30,17 @@ def read_image_file(path: Path) -> bytes:
         raise InputError(f"{path}: not readable ({error.strerror}); check its permissions") from None
 
 
+def image_size(path: Path) -> tuple[int, int]:
+    """(width, height) of an image file [px], which is not decoded for it."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such image")
+    with path.open("rb") as file:
+        return claimed_size(file.read(_HEADER_BYTES), str(path))
+
+
 def decode_image(content: bytes, where: str) -> Image:
     """The same from the bytes of a file, which messages call `where`."""
-    check_claimed_size(content, where)
+    claimed_size(content, where)
     try:
         image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:

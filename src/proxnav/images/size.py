@@ -13,8 +13,10 @@ _PNM = re.compile(rb"P[1-6](?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})\
 _NO_FRAME = {0xC4, 0xC8, 0xCC}
 
 
-def check_claimed_size(content: bytes, where: str) -> None:
-    """InputError for what is no PNG, JPEG, TIFF, BMP or PNM, or claims more pixels than any camera has."""
+def claimed_size(content: bytes, where: str) -> tuple[int, int]:
+    """(width, height) [px] as the file's first bytes claim; InputError for what is no PNG, JPEG, TIFF, BMP or PNM, or
+    claims more pixels than any camera has.
+    """
     size = _claimed(content)
     if size is None:
         raise InputError(f"{where}: not a readable image; it is damaged, or no PNG, JPEG, TIFF, BMP or PNM")
@@ -23,6 +25,7 @@ def check_claimed_size(content: bytes, where: str) -> None:
         raise InputError(
             f"{where}: claims {width} x {height} px; read are at most {LARGEST_SIDE_PX} px a side, {MOST_PIXELS} in all"
         )
+    return size
 
 
 def check_size(image: Image, camera: Camera) -> None:

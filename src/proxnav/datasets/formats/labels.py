@@ -11,6 +11,7 @@ from proxnav.geometry import Camera, Pose
 from proxnav.geometry.arrays import frozen
 from proxnav.geometry.boxes import box_of_points
 from proxnav.geometry.types import Box, Points
+from proxnav.images.codecs import image_size
 from proxnav.records import NOT_IN_IMAGE, VISIBLE, FrameLabel
 
 
@@ -38,6 +39,8 @@ class LabelRecord:
     """The image, where it is on this disk."""
     mask: Path | None = None
     """255 where the target is, where there is one."""
+    size_px: tuple[int, int] | None = None
+    """(width, height) of the image, where the file says it."""
 
     def __post_init__(self) -> None:
         for name, shape in (("keypoints_px", (None, 2)), ("box_xyxy", (4,)), ("covariance", (6, 6))):
@@ -81,13 +84,37 @@ def from_frame_label(label: FrameLabel, image: Path | None = None, mask: Path | 
 
 
 def with_projected_keypoints(labels: Labels) -> Labels:
-    """The same labels with pixels for the keypoints wherever a pose and a camera give them and the file does not.
-
-    Nothing is known about what the target hides: points in the image count as visible.
-    """
+    """The same labels with pixels for the keypoints wherever a pose and a camera give them and the file does not."""
     if labels.camera is None or labels.keypoints_m is None:
         return labels
     return replace(labels, records=tuple(_projected(record, labels) for record in labels.records))
+
+
+def size_of(record: LabelRecord, labels: Labels, format: str) -> tuple[int, int]:
+    """(width, height) of the record's image [px]: of the camera, the labels or the image file, or InputError."""
+    if labels.camera is not None:
+        return labels.camera.width, labels.camera.height
+    if record.size_px is not None:
+        return record.size_px
+    if record.image is not None:
+        return image_size(record.image)
+    raise InputError(
+        f"{format} needs the size of '{record.filename}', which neither the labels nor an image beside them tell; "
+        "give --camera"
+    )
+
+
+def visibility_of(record: LabelRecord, labels: Labels, format: str) -> Int[np.ndarray, "n_keypoints"]:
+    """COCO's codes of the record's keypoints. Where the file says none, points in the image count as visible: nothing
+    is known about what the target hides.
+    """
+    if record.visibility is not None:
+        return record.visibility
+    pixels = record.keypoints_px
+    if pixels is None:
+        raise InputError(f"{format} needs keypoints and '{record.filename}' has none; give --target and --camera")
+    inside = ((pixels >= 0.0) & (pixels <= size_of(record, labels, format))).all(axis=1)
+    return np.where(inside, VISIBLE, NOT_IN_IMAGE)
 
 
 def need_camera(labels: Labels, format: str) -> Camera:
@@ -137,5 +164,4 @@ def _projected(record: LabelRecord, labels: Labels) -> LabelRecord:
     T, camera = record.T_cam_target, labels.camera
     if record.keypoints_px is not None or T is None or camera is None or labels.keypoints_m is None:
         return record
-    pixels = camera.project(T @ labels.keypoints_m)
-    return replace(record, keypoints_px=pixels, visibility=np.where(camera.contains(pixels), VISIBLE, NOT_IN_IMAGE))
+    return replace(record, keypoints_px=camera.project(T @ labels.keypoints_m))

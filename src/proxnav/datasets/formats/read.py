@@ -5,7 +5,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from proxnav.datasets.formats import bop, bop_results, coco_files, krn, spark, speed_trees, spnv2, submissions, urso
+from proxnav.datasets.formats import (
+    bop,
+    bop_results,
+    coco_files,
+    krn,
+    spark,
+    speed_trees,
+    spnv2,
+    submissions,
+    urso,
+    yolo_read,
+)
 from proxnav.datasets.formats.attitude import Order, check_order
 from proxnav.datasets.formats.labels import Labels
 from proxnav.datasets.formats.options import ReadOptions
@@ -32,6 +43,7 @@ READERS: Mapping[str, tuple[Reader, Order | None]] = {
     "speed+": (_speed, "wxyz"),
     "shirt": (_speed, "wxyz"),
     "poses": (_speed, "wxyz"),
+    "yolo-pose": (yolo_read.read, "wxyz"),
     "urso": (urso.read, None),  # Unreal axes: no other order of the same four numbers is meant by its inverse
     "krn": (krn.read, "wxyz"),
     "spnv2": (spnv2.read, "wxyz"),

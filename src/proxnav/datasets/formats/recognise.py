@@ -10,12 +10,16 @@ from proxnav.datasets.formats.names import is_name
 from proxnav.datasets.formats.row_numbers import numbers, without_header
 from proxnav.datasets.formats.speed_trees import is_pose_list, pose_files
 from proxnav.datasets.formats.urso import POSES
+from proxnav.datasets.formats.yolo_pose import YAML
+from proxnav.datasets.formats.yolo_read import is_yolo_pose
 from proxnav.errors import InputError
 from proxnav.storage.files import read_json
 from proxnav.storage.tables import read_rows
 
 _NORMALISED = 3.0  # pixels of a keypoint are larger, parts of an image are not
-_FOLDERS = "annotations.json (proxnav), SPEED+ pose lists, scene_gt.json (BOP) or *_poses_gt.csv (URSO)"
+_FOLDERS = (
+    "annotations.json (proxnav), data.yaml (YOLO-pose), SPEED+ pose lists, scene_gt.json (BOP) or *_poses_gt.csv (URSO)"
+)
 
 
 def recognise(path: Path) -> str:
@@ -24,6 +28,8 @@ def recognise(path: Path) -> str:
         return _folder(path)
     if path.suffix.lower() == ".csv":
         return _table(path)
+    if path.suffix.lower() in (".yaml", ".yml"):
+        return "yolo-pose"
     return _json(path)
 
 
@@ -33,6 +39,8 @@ def _folder(path: Path) -> str:
         found.append("proxnav" if (path / "target.json").is_file() else "coco")
     if scene_folders(path):
         found.append("bop")
+    if is_yolo_pose(path / YAML):
+        found.append("yolo-pose")
     if any(path.glob(f"*{POSES}")):
         found.append("urso")
     if not found and pose_files(path):

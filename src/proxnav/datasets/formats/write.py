@@ -15,6 +15,7 @@ from proxnav.datasets.formats import (
     spnv2,
     submissions,
     urso,
+    yolo_pose,
 )
 from proxnav.datasets.formats.labels import Labels, with_projected_keypoints
 from proxnav.datasets.formats.names import checked_name
@@ -30,6 +31,7 @@ WRITERS: Mapping[str, Writer] = {
     "speed": speed_trees.write_speed,
     "speed+": speed_trees.write_speedplus,
     "poses": speed_trees.write_poses_json,
+    "yolo-pose": yolo_pose.write,
     "urso": urso.write,
     "krn": krn.write,
     "spnv2": spnv2.write,

@@ -81,7 +81,8 @@ class DatasetWriter:
         if not path.exists():
             entries = [read_json(self._record(scene), "the record of a rendered frame") for scene in scenes]
             names = [scene.filename for scene in scenes]
-            write_json(path, coco.document(entries, names, scenes[0].camera, target.keypoint_names))
+            sizes = [(scene.camera.width, scene.camera.height) for scene in scenes]
+            write_json(path, coco.document(entries, names, sizes, target.keypoint_names))
         shutil.rmtree(self.folder / _PENDING, ignore_errors=True)
         return self.folder
 
@@ -107,7 +108,7 @@ def encode_frame(scene: SceneSpec, image: Image, mask: Mask, label: FrameLabel) 
     return {
         f"images/{scene.filename}": encode_png(image),
         f"masks/{scene.filename}": encode_png(mask.astype(np.uint8) * 255),
-        _record_name(scene): json_bytes(coco.annotation(label, scene.index, mask)),
+        _record_name(scene): json_bytes(coco.annotation(label, mask)),
     }
 
 
