@@ -78,7 +78,7 @@ def _added(sim: Any, air: Any, body: RigidBody, k: int, sample_s: float) -> tupl
     from Basilisk.simulation import dragDynamicEffector, spacecraft  # pyright: ignore[reportMissingImports]
     from Basilisk.utilities import RigidBodyKinematics, macros  # pyright: ignore[reportMissingImports]
 
-    craft, drag, earth = spacecraft.Spacecraft(), dragDynamicEffector.DragDynamicEffector(), _earth()
+    craft, drag, earth = spacecraft.Spacecraft(), dragDynamicEffector.DragDynamicEffector(), earth_with_j2()
     craft.hub.mHub, craft.hub.IHubPntBc_B = _MASS_KG[k], np.diag(body.inertia).tolist()
     craft.hub.r_CN_NInit, craft.hub.v_CN_NInit = body.r_eci_m.tolist(), body.v_eci_mps.tolist()
     craft.hub.sigma_BNInit = RigidBodyKinematics.EP2MRP(body.q_eci_body).tolist()
@@ -94,7 +94,7 @@ def _added(sim: Any, air: Any, body: RigidBody, k: int, sample_s: float) -> tupl
     return recorder, craft, drag, earth
 
 
-def _earth() -> Any:
+def earth_with_j2() -> Any:
     """Earth with J2 by hand: the files of Basilisk's own fields come over the network."""
     from Basilisk.simulation import gravityEffector  # pyright: ignore[reportMissingImports]
 
