@@ -35,6 +35,8 @@ class ConvertConfig:
     """Which object, where images show several."""
     images: Literal["link", "copy", "none"] = "link"
     """Hard links take no space; `none` writes labels alone."""
+    bop_images: Literal["auto", "rgb", "gray"] = "auto"
+    """BOP: folder of the images; most of its loaders want rgb, `auto` takes gray for images of one channel."""
     split: str = ""
     """Part of the set for images that are in none, such as lightbox or train."""
     validation_share: float = 0.2
@@ -72,9 +74,6 @@ def run(config: ConvertConfig) -> None:
         camera = None if config.camera is None else Camera.read(config.camera)
         mesh, points, names = (None, None, ()) if config.target is None else target_or_points(config.target)
         read = ReadOptions(camera, points, names, config.quaternion_order, config.pixel_origin, config.object_id)
-        write = WriteOptions(config.images, config.split, config.validation_share, mesh)
-        print(
-            conversion.convert_labels(
-                source, config.from_, config.to, config.out, read, write, config.skip_without_pose
-            )
-        )
+        write = WriteOptions(config.images, config.split, config.validation_share, config.bop_images, mesh)
+        skip = config.skip_without_pose
+        print(conversion.convert_labels(source, config.from_, config.to, config.out, read, write, skip))

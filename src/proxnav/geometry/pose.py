@@ -11,6 +11,14 @@ from proxnav.geometry import quaternion
 from proxnav.geometry.arrays import frozen
 from proxnav.geometry.types import Numbers, Vector3
 
+LARGEST_ROUNDING = 0.05
+"""Largest element of R R^T - 1 that counts as rounding: that of LM-O reaches 0.01."""
+
+
+def rounding_of(R: Float[np.ndarray, "3 3"]) -> float:
+    """Largest element of |R R^T - 1|: 0 for a rotation."""
+    return float(np.abs(R @ R.T - np.eye(3)).max())
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
@@ -61,6 +69,18 @@ class Pose:
         if not proper:
             raise InputError(f"R_{a}_{b} is not a rotation matrix: found {R.tolist()}; check rows and columns")
         return Pose.from_wxyz(a, b, quaternion.from_matrix(R), t_m)
+
+    @staticmethod
+    def from_rounded_matrix(a: str, b: str, R: Numbers, t_m: Numbers) -> "Pose":
+        """As `from_matrix`, of a matrix that was rounded when it was written: T_a_b of the rotation nearest to it.
+
+        InputError where R R^T departs from the identity by more than 0.05, or R mirrors.
+        """
+        given = np.asarray(R, dtype=np.float64)
+        if given.shape != (3, 3) or not rounding_of(given) <= LARGEST_ROUNDING or not np.linalg.det(given) > 0.0:
+            raise InputError(f"R_{a}_{b} is not a rotation matrix: found {given.tolist()}; check rows and columns")
+        U, _, Vt = np.linalg.svd(given)  # Schoenemann 1966: the orthogonal matrix nearest in the Frobenius norm
+        return Pose.from_matrix(a, b, U @ Vt, t_m)
 
     @staticmethod
     def identity(a: str, b: str) -> "Pose":

@@ -47,7 +47,10 @@ def read_rows(path: Path, most_bytes: int = MAX_BYTES) -> list[list[str]]:
         raise InputError(f"{path}: larger than {most_bytes // 2**20} MiB, which no such table is; split it")
     try:
         text = path.read_text(encoding="utf-8-sig")
-        rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO(text, newline=""))]
+        rows = [
+            [cell.strip() for cell in row]
+            for row in csv.reader(io.StringIO(text, newline=""), delimiter=_delimiter(text))
+        ]
     except (UnicodeDecodeError, csv.Error, OSError) as error:
         raise InputError(f"{path}: not readable as csv ({error}); save it as comma-separated UTF-8 text") from None
     if any(len(cell) > _LONGEST_CELL for row in rows for cell in row):
@@ -56,6 +59,12 @@ def read_rows(path: Path, most_bytes: int = MAX_BYTES) -> list[list[str]]:
     if not rows:
         raise InputError(f"{path}: holds no rows")
     return rows
+
+
+def _delimiter(text: str) -> str:
+    """The comma, unless the first line has none and has semicolons or tabs."""
+    first = text.lstrip().partition("\n")[0]
+    return next((mark for mark in ",;\t" if mark in first), ",")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""Quaternions of files: their order is the format's, and where keypoints or boxes can tell, it is checked."""
+"""Quaternions of files: their order is the format's, and where boxes alone can tell, it is checked by them."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,7 +11,6 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.boxes import box_of_points, cut_at_edges
 from proxnav.geometry.types import Points
-from proxnav.records import NOT_IN_IMAGE
 
 Order = Literal["wxyz", "xyzw"]
 
@@ -42,12 +41,13 @@ def pose(q: Float[np.ndarray, "4"], t_m: Float[np.ndarray, "3"], order: Order, w
 
 
 def check_order(labels: Labels, order: Order, source: str) -> None:
-    """InputError where the keypoints or boxes fit another order or direction of the quaternions, and do not fit this.
+    """InputError where boxes fit another order or direction of the quaternions, and do not fit this.
 
-    The residual is the distance from the projected points to the labelled ones, in parts of the target's size.
+    The residual is the distance from the box of the projected points to the labelled one, in parts of the target's
+    size. Keypoints say more: `consistency` compares with them.
     """
     camera, points_m = labels.camera, labels.keypoints_m
-    usable = [r for r in labels.records if r.T_cam_target is not None and _measured(r, points_m)][:_FRAMES]
+    usable = [r for r in labels.records if r.T_cam_target is not None and _has_box_alone(r)][:_FRAMES]
     if camera is None or points_m is None or not usable:
         return
     now = _residual(usable, points_m, camera, None, order)
@@ -60,16 +60,13 @@ def check_order(labels: Labels, order: Order, source: str) -> None:
     best = int(np.argmin(left))
     if now > _GOOD and left[best] < _CLEARLY * now:
         raise InputError(
-            f"{source}: read as {order}, the quaternions miss the labelled points by {now:.0%} of the target's size; "
+            f"{source}: read as {order}, the quaternions miss the labelled boxes by {now:.0%} of the target's size; "
             f"they fit to {left[best]:.1%} when read {readings[best].advice}"
         )
 
 
-def _measured(record: LabelRecord, points_m: Points | None) -> bool:
-    """Whether the file itself says where the target is in the image."""
-    if record.keypoints_px is not None and points_m is not None and len(record.keypoints_px) == len(points_m):
-        return True
-    return record.box_xyxy is not None
+def _has_box_alone(record: LabelRecord) -> bool:
+    return record.box_xyxy is not None and record.keypoints_px is None
 
 
 def _residual(
@@ -86,11 +83,6 @@ def _miss(record: LabelRecord, points_m: Points, camera: Camera, reading: _Readi
         T = Pose.from_wxyz("cam", "target", reading(T.q_wxyz, order), T.t_m)
     projected = camera.project(T @ points_m)
     size = np.linalg.norm(np.ptp(points_m, axis=0)) * camera.fx / np.linalg.norm(T.t_m)
-    pixels = record.keypoints_px
-    if pixels is not None and len(pixels) == len(points_m):
-        known = np.isfinite(projected).all(axis=1) & np.isfinite(pixels).all(axis=1)
-        known &= True if record.visibility is None else record.visibility != NOT_IN_IMAGE
-        return float(np.linalg.norm(projected - pixels, axis=1)[known].mean() / size) if known.any() else np.inf
     if record.box_xyxy is None or not np.isfinite(projected).all():
         return np.inf
     box = cut_at_edges(box_of_points(projected), camera)

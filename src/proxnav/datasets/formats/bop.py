@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from proxnav.datasets.formats.bop_units import check_millimetres, say_rounding
 from proxnav.datasets.formats.labels import LabelRecord, Labels
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions
 from proxnav.datasets.formats.places import existing
 from proxnav.errors import InputError
 from proxnav.geometry import Camera, Pose
+from proxnav.geometry.pose import rounding_of
 from proxnav.geometry.types import Box
 from proxnav.storage.files import read_json
 from proxnav.storage.numbers import finite_numbers
@@ -37,14 +39,16 @@ def scene_folders(folder: Path) -> list[Path]:
 def read(folder: Path, options: ReadOptions) -> Labels:
     """All scenes below `folder`; one camera for all, one object per image."""
     records: list[LabelRecord] = []
-    camera = options.camera
+    camera, roundings = options.camera, [0.0]
     for scene in scene_folders(folder):
         try:
-            camera = _read_scene(scene, folder, options, camera, records)
+            camera = _read_scene(scene, folder, options, camera, records, roundings)
         except InputError:
             raise
         except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
             raise InputError(f"{scene}: not a BOP scene ({type(error).__name__}: {str(error)!a})") from None
+    check_millimetres(records, camera, folder)
+    say_rounding(max(roundings), folder)
     points, names = options.keypoints_m, options.keypoint_names
     if points is None and (folder / "keypoints.json").is_file():
         points, names = load_points(folder / "keypoints.json")
@@ -52,7 +56,12 @@ def read(folder: Path, options: ReadOptions) -> Labels:
 
 
 def _read_scene(
-    scene: Path, root: Path, options: ReadOptions, camera: Camera | None, records: list[LabelRecord]
+    scene: Path,
+    root: Path,
+    options: ReadOptions,
+    camera: Camera | None,
+    records: list[LabelRecord],
+    roundings: list[float],
 ) -> Camera | None:
     truth = read_json(scene / "scene_gt.json", "BOP poses by image")
     cameras = read_json(scene / "scene_camera.json", "BOP cameras by image")
@@ -68,6 +77,8 @@ def _read_scene(
         camera = own
         index, entry = _chosen(truth[key], where, options)
         info = infos[key][index] if key in infos and entry is not None else {}
+        if entry is not None:
+            roundings.append(rounding_of(finite_numbers(entry["cam_R_m2c"], 9, where).reshape(3, 3)))
         records.append(_record(scene, int(key), split, cameras[key], index, entry, info, where))
     return camera
 
@@ -95,7 +106,11 @@ def _chosen(entries: Any, where: str, options: ReadOptions) -> tuple[int, Any]:
 
 def _pose(entry: Any, where: str) -> Pose:
     R = finite_numbers(entry["cam_R_m2c"], 9, f"{where}: cam_R_m2c").reshape(3, 3)
-    return Pose.from_matrix("cam", "target", R, finite_numbers(entry["cam_t_m2c"], 3, f"{where}: cam_t_m2c") / MM)
+    t_mm = finite_numbers(entry["cam_t_m2c"], 3, f"{where}: cam_t_m2c")
+    try:
+        return Pose.from_rounded_matrix("cam", "target", R, t_mm / MM)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def _camera(entry: Any, size: tuple[int, int]) -> Camera:

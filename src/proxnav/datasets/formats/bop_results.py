@@ -62,7 +62,7 @@ def _record(row: list[str], scene: int, image: int, where: str) -> LabelRecord:
     if R.size != 9 or t_mm.size != 3:
         raise InputError(f"{where}: R needs 9 numbers and t 3, found {R.size} and {t_mm.size}")
     try:
-        T = Pose.from_matrix("cam", "target", R.reshape(3, 3), t_mm / MM)
+        T = Pose.from_rounded_matrix("cam", "target", R.reshape(3, 3), t_mm / MM)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
     return LabelRecord(f"{image:06d}.png", T, split=f"{scene:06d}", score=float(score))

@@ -18,7 +18,7 @@ from proxnav.datasets.formats.places import place
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_of_mask
-from proxnav.images.codecs import read_image
+from proxnav.images.codecs import encode_png, read_image
 from proxnav.storage.files import write_atomic, write_json
 
 OBJECT_ID = 1
@@ -122,14 +122,30 @@ def _whole_camera(camera: Camera, scale: float) -> dict[str, Any]:
 
 def _place(record: LabelRecord, scene: Path, key: int, options: WriteOptions) -> None:
     if record.image is not None and options.images != "none":
-        kind = "gray" if read_image(record.image).ndim == 2 else "rgb"
-        place(record.image, scene / kind / f"{key:06d}{record.image.suffix.lower()}", options)
+        _place_image(record.image, scene, key, options)
     for kind in ("mask", "mask_visib"):
         place(record.mask, scene / kind / f"{key:06d}_000000.png", options)
 
 
+def _place_image(source: Path, scene: Path, key: int, options: WriteOptions) -> None:
+    """The image in gray/ or rgb/; where its channels are not those of the folder it is written anew as PNG."""
+    image = read_image(source)
+    kind = ("gray" if image.ndim == 2 else "rgb") if options.bop_images == "auto" else options.bop_images
+    if (image.ndim == 2) == (kind == "gray"):
+        place(source, scene / kind / f"{key:06d}{source.suffix.lower()}", options)
+        return
+    if kind == "rgb":
+        image = np.repeat(image[..., None], 3, axis=2)
+    else:
+        image = np.rint(image.astype(np.float64).mean(axis=2)).astype(image.dtype)
+    write_atomic(scene / kind / f"{key:06d}.png", encode_png(image))
+
+
 def _models(labels: Labels, folder: Path, options: WriteOptions) -> None:
-    """models_info.json from the mesh, else from the keypoints; the mesh as PLY; the keypoints, which BOP lacks."""
+    """models_info.json from the mesh, else from the keypoints; the mesh as PLY; the keypoints, which BOP lacks.
+
+    In models/ for rendering and in models_eval/, which the toolkit's scores read, alike.
+    """
     mesh = options.target
     points = mesh.vertices_m if mesh is not None else labels.keypoints_m
     if labels.keypoints_m is not None:
@@ -137,13 +153,16 @@ def _models(labels: Labels, folder: Path, options: WriteOptions) -> None:
         write_json(folder / "keypoints.json", content, indent=1)
     if points is None:
         return
-    write_json(folder / "models" / "models_info.json", {str(OBJECT_ID): _extents(points * MM)}, indent=1)
+    for kind in ("models", "models_eval"):
+        write_json(folder / kind / "models_info.json", {str(OBJECT_ID): _extents(points * MM)}, indent=1)
     if mesh is not None:
         import trimesh
 
         model = trimesh.Trimesh(mesh.vertices_m * MM, mesh.faces, process=False)
         data: Any = model.export(file_type="ply", encoding="ascii", vertex_normal=True)
-        write_atomic(folder / "models" / f"obj_{OBJECT_ID:06d}.ply", data if isinstance(data, bytes) else data.encode())
+        for kind in ("models", "models_eval"):
+            content = data if isinstance(data, bytes) else data.encode()
+            write_atomic(folder / kind / f"obj_{OBJECT_ID:06d}.ply", content)
 
 
 def _extents(points_mm: Float[np.ndarray, "n 3"]) -> dict[str, float]:

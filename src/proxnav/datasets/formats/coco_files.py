@@ -26,6 +26,7 @@ from proxnav.datasets.formats.labels import (
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, flat_names, mask_beside, place, write_camera
+from proxnav.datasets.formats.point_recovery import with_recovered_points
 from proxnav.datasets.set import coco
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
@@ -71,9 +72,10 @@ def read_coco(path: Path, options: ReadOptions) -> Labels:
 def write_dataset(labels: Labels, folder: Path, options: WriteOptions) -> None:
     """A data set folder of ours, without scenes: it was not rendered here."""
     need_camera(labels, "proxnav")
-    points = need_keypoints(labels, "proxnav")
     for record in labels.records:
         need_pose(record, "proxnav")
+    labels = with_recovered_points(labels)
+    points = need_keypoints(labels, "proxnav")
     _write(labels, folder, options, CORNER)
     content = {
         "name": labels.target_name,

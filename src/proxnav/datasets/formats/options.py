@@ -35,5 +35,7 @@ class WriteOptions:
     """Name of the part for images that are in none, such as `lightbox`."""
     validation_share: float = 0.2
     """SPEED+, KRN, SPNv2 and URSO: part of an undivided set that goes into validation, every k-th image."""
+    bop_images: Literal["auto", "rgb", "gray"] = "auto"
+    """BOP: folder of the images; auto takes gray for images of one channel. In rgb they get three."""
     target: Target | None = None
     """BOP: the mesh for `models/`; without it the models' extents are those of the keypoints."""

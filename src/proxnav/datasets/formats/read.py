@@ -18,6 +18,7 @@ from proxnav.datasets.formats import (
     yolo_read,
 )
 from proxnav.datasets.formats.attitude import Order, check_order
+from proxnav.datasets.formats.consistency import check_consistency
 from proxnav.datasets.formats.labels import Labels
 from proxnav.datasets.formats.options import ReadOptions
 from proxnav.datasets.formats.recognise import recognise
@@ -59,7 +60,7 @@ READERS: Mapping[str, tuple[Reader, Order | None]] = {
 def read_labels(path: str | Path, format: str = "auto", options: ReadOptions | None = None) -> Labels:
     """Everything that the file or folder says about its images; InputError where that is not clear.
 
-    Where keypoints or boxes are known, the quaternions are held against them and a wrong order is refused by name.
+    Where keypoints or boxes are known, the poses are held against them, and what contradicts is refused by its cause.
     """
     path, options = Path(path), options or ReadOptions()
     if not path.exists():
@@ -71,8 +72,10 @@ def read_labels(path: str | Path, format: str = "auto", options: ReadOptions | N
     labels = reader(path, options)
     if not labels.records:
         raise InputError(f"{path}: holds no images ({name})")
-    if order is not None:
-        check_order(labels, options.quaternion_order or order, str(path))
+    read_as = None if order is None else options.quaternion_order or order
+    check_consistency(labels, read_as, str(path))
+    if read_as is not None:
+        check_order(labels, read_as, str(path))
     return replace(labels, format=name)
 
 

@@ -6,8 +6,10 @@ import numpy as np
 
 from proxnav.datasets.formats.bop import scene_folders
 from proxnav.datasets.formats.bop_results import COLUMNS as BOP_COLUMNS
+from proxnav.datasets.formats.named_columns import is_header, pose_columns
 from proxnav.datasets.formats.names import is_name
-from proxnav.datasets.formats.row_numbers import numbers, without_header
+from proxnav.datasets.formats.pose_bowl import refuse_pose_bowl
+from proxnav.datasets.formats.row_numbers import numbers
 from proxnav.datasets.formats.speed_trees import is_pose_list, pose_files
 from proxnav.datasets.formats.urso import POSES
 from proxnav.datasets.formats.yolo_pose import YAML
@@ -71,7 +73,10 @@ def _table(path: Path) -> str:
         return "bop-results"
     if path.name.endswith(POSES) or head == ["x", "y", "z", "q1", "q2", "q3", "q4"]:
         return "urso"
-    first = (without_header(rows, len(head) - 1) or rows)[0]
+    refuse_pose_bowl(head, path)
+    if is_header(rows[0]):
+        return _by_names(rows, path)
+    first = rows[0]
     kind = _by_columns(first, path)
     if kind is None:
         raise InputError(
@@ -79,6 +84,18 @@ def _table(path: Path) -> str:
             "krn and spnv2 (12 and pairs); give --from FORMAT"
         )
     return kind
+
+
+def _by_names(rows: list[list[str]], path: Path) -> str:
+    """Format of a table with a header."""
+    columns = pose_columns(rows[0], None, "wxyz", str(path))
+    if {"xmin", "xmax", "ymin", "ymax"} <= {cell.lower() for cell in rows[0]}:
+        at = [k for k, cell in enumerate(rows[0]) if cell.lower() in ("xmax", "ymax")]
+        box = numbers([rows[1][k] for k in at], f"{path}, row 2") if len(rows) > 1 and len(rows[1]) > max(at) else [0.0]
+        return "spnv2" if max(box) < _NORMALISED else "krn"
+    if columns.part is None:
+        return "spec2019"
+    return "spec2021" if rows[0][columns.part].lower() in ("category", "domain") else "spark"
 
 
 def _by_columns(row: list[str], path: Path) -> str | None:
@@ -90,7 +107,7 @@ def _by_columns(row: list[str], path: Path) -> str | None:
         return "spark"
     if len(row) == 7 and len(row[4].split()) == 9:
         return "bop-results"
-    if len(row) > 12 and len(row) % 2 == 0 and is_name(row[0]):
+    if len(row) >= 12 and len(row) % 2 == 0 and is_name(row[0]):
         box = numbers(row[1:5], f"{path}, row 1")
         return "spnv2" if np.abs(box).max() < _NORMALISED else "krn"
     return None

@@ -16,6 +16,7 @@ from proxnav.geometry import Camera
 from proxnav.geometry.types import Box
 
 FOLDER = "labels"
+SIDES = ("xmin", "ymin", "xmax", "ymax")
 
 
 def read(path: Path, options: ReadOptions) -> Labels:
@@ -26,10 +27,10 @@ def read(path: Path, options: ReadOptions) -> Labels:
     if camera is None:
         raise InputError(f"{path}: numbers are parts of the image's size, which only a camera tells; give --camera")
     size, records = _size(camera), []
-    for row in read_keypoint_rows(path, options.quaternion_order or "wxyz"):
+    for row in read_keypoint_rows(path, options.quaternion_order, SIDES):
         record = LabelRecord(
             row.filename, row.T_cam_target, split=split,
-            keypoints_px=row.points[1:] * size, box_xyxy=row.box * np.tile(size, 2),
+            keypoints_px=row.points[1:] * size if len(row.points) else None, box_xyxy=row.box * np.tile(size, 2),
             image=existing(domain / "images", row.filename), mask=mask_beside(domain / "masks", row.filename),
         )  # fmt: skip
         records.append(record)

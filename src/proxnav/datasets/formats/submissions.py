@@ -1,4 +1,4 @@
-"""Submissions to the pose challenges: csv without header, quaternion scalar first.
+"""Submissions to the pose challenges: csv, quaternion scalar first; where somebody put a header, it names the columns.
 
 SPEC2019  filename, q1..q4, r1..r3
 SPEC2021  category (lightbox or sunlamp), filename, q1..q4, r1..r3
@@ -8,9 +8,11 @@ from pathlib import Path
 
 from proxnav.datasets.formats.attitude import pose
 from proxnav.datasets.formats.labels import LabelRecord, Labels, need_pose
+from proxnav.datasets.formats.named_columns import NamedPose, is_header, named_poses
 from proxnav.datasets.formats.names import checked_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above
+from proxnav.datasets.formats.pose_bowl import refuse_pose_bowl
 from proxnav.datasets.formats.row_numbers import check_width, numbers
 from proxnav.errors import InputError
 from proxnav.geometry import quaternion
@@ -49,20 +51,30 @@ def write_2021(labels: Labels, folder: Path, options: WriteOptions) -> None:
 
 
 def _read(path: Path, options: ReadOptions, categories: int) -> Labels:
-    order, records = options.quaternion_order or "wxyz", []
-    columns = "category, " * categories + "filename, q1..q4, r1..r3"
-    for number, row in enumerate(read_rows(path), 1):
-        where = f"{path}, row {number}"
-        check_width(row, 8 + categories, where, columns)
-        name = checked_name(row[categories], where)
-        if categories and row[0] not in _CATEGORIES:
-            raise InputError(f"{where}: category {row[0][:40]!a} is none of {', '.join(_CATEGORIES)}")
-        values = numbers(row[1 + categories :], where)
-        split = row[0] if categories else ""
-        records.append(LabelRecord(name, pose(values[:4], values[4:], order, where), split=split))
+    rows = read_rows(path)
+    refuse_pose_bowl(rows[0], path)
+    if is_header(rows[0]):
+        found = named_poses(rows, options.quaternion_order, "wxyz", path)
+    else:
+        found = [_by_place(row, f"{path}, row {k}", options, categories) for k, row in enumerate(rows, 1)]
+    records = [_record(one, categories) for one in found]
     camera = options.camera or camera_above(path.parent, levels=0)
     kind = "spec2021" if categories else "spec2019"
     return Labels(tuple(records), camera, options.keypoints_m, options.keypoint_names, format=kind)
+
+
+def _by_place(row: list[str], where: str, options: ReadOptions, categories: int) -> NamedPose:
+    check_width(row, 8 + categories, where, "category, " * categories + "filename, q1..q4, r1..r3")
+    name = checked_name(row[categories], where)
+    values = numbers(row[1 + categories :], where)
+    T = pose(values[:4], values[4:], options.quaternion_order or "wxyz", where)
+    return NamedPose(name, row[0] if categories else "", T, where)
+
+
+def _record(one: NamedPose, categories: int) -> LabelRecord:
+    if categories and one.part not in _CATEGORIES:
+        raise InputError(f"{one.where}: category {one.part[:40]!a} is none of {', '.join(_CATEGORIES)}")
+    return LabelRecord(one.filename, one.T_cam_target, split=one.part)
 
 
 def _row(record: LabelRecord, format: str) -> list[object]:
