@@ -52,6 +52,7 @@ BENCHMARK = {
     "scale": Command("frames per second over workers, by processes and by Ray", "benchmark_scale"),
     "speedplus": Command("poses on SPEED+ images, with the scores of its challenges", "benchmark_speedplus"),
     "trust": Command("how often a model is confidently wrong, and what catches it", "benchmark_trust"),
+    "track": Command("the tracker without a network: skipped frames, starts that are off", "benchmark_track"),
     "navigation": Command("the filter's consistency, accuracy, faults and speed", "benchmark_navigation"),
 }
 
@@ -61,6 +62,7 @@ COMMANDS: dict[str, Command | Group] = {
     "render": Command("a data set or a sequence, from a preset or a trajectory file", "render"),
     "train": Group("a keypoint detector, from a data set or rendered on line", TRAIN),
     "estimate": Command("images or a data set to poses.json", "estimate"),
+    "track": Command("follow a CAD model through a sequence, without a network", "track"),
     "solve": Command("keypoints of your own detector to poses.json", "solve"),
     "simulate": Command(
         "sensor records along a trajectory: camera, gyro, star tracker, GNSS",

@@ -13,7 +13,7 @@ from proxnav.geometry.types import Box
 DetectionStatus = Literal["ok", "no_target", "bad_image"]
 PoseStatus = Literal[
     "ok", "too_few_points", "no_consensus", "behind_camera", "mirrored_points", "other_pixels", "no_target",
-    "bad_image", "unlike_render", "other_craft", "ambiguous", "outside_mission", "camera_suspect",
+    "bad_image", "unlike_render", "other_craft", "ambiguous", "outside_mission", "camera_suspect", "lost",
 ]  # fmt: skip
 """Whether there is a pose, or why there is none: `REASONS` says it in words."""
 REASONS: dict[str, str] = {
@@ -30,6 +30,7 @@ REASONS: dict[str, str] = {
     "other_craft": "the picture shows another craft, or the target changed",
     "ambiguous": "another pose explains the picture nearly as well",
     "outside_mission": "the pose lies outside of what the model was made for",
+    "lost": "the outline is not where the target's motion leads: the tracker lost it, or began with a wrong pose",
     "camera_suspect": "the poses of a sequence say that the camera is not as its calibration",
 }
 """One sentence for each status but ok."""

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from boxcraft import CORNERS, QUADS, boxcraft
+from boxcraft import CORNERS, boxcraft
+from painted_box import CAMERA, painted
 from proxnav.estimator import PoseEstimator
 from proxnav.geometry import Camera, Pose, quaternion
 from proxnav.geometry.calibration import CalibrationSigma
@@ -26,33 +27,10 @@ from proxnav.pose.align.wireframe import wireframe
 from proxnav.records import Keypoints, PoseResult
 from proxnav.targets import Target
 
-CAMERA = Camera(width=320, height=240, fx=420.0, fy=420.0, cx=163.0, cy=118.0)
 BENT = Camera(320, 240, 420.0, 420.0, 163.0, 118.0, distortion=(-0.2, 0.1, 0.001, -0.002, 0.0))
 FISHEYE = Camera(320, 240, 420.0, 420.0, 163.0, 118.0, (-0.02, 0.006, -0.004, 0.0008), "fisheye")
 POSE = Pose("cam", "target", quaternion.exp(np.array([0.5, -0.7, 0.3])), np.array([0.2, -0.1, 9.0]))
-TONES = (40, 90, 130, 170, 210, 240)
-FINER = 8
-LINE = 40
 FINE = Sampling(blur_px=0.5, spacing_px=2.0)
-
-
-def painted(
-    T: Pose, camera: Camera = CAMERA, sky: int = 12, noise: float = 2.0, target: Target | None = None
-) -> np.ndarray:
-    """The box, each side in its tone; lines are bent by the lens as the camera says."""
-    fine = camera.resized(camera.width * FINER, camera.height * FINER)
-    image = np.full((fine.height, fine.width), sky, np.uint8)
-    target = target or boxcraft()
-    eye = -T.R.T @ T.t_m
-    for quad, tone in zip(QUADS, TONES, strict=True):
-        corners = target.vertices_m[list(quad)]
-        n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-        if n @ (eye - corners[0]) > 0:
-            share = np.linspace(0.0, 1.0, LINE, endpoint=False)[:, None]
-            rim = np.concatenate([a + share * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)])
-            cv2.fillPoly(image, [np.round(fine.project(T @ rim) - 0.5).astype(np.int32)], tone)
-    small = cv2.resize(image, (camera.width, camera.height), interpolation=cv2.INTER_AREA).astype(float)
-    return np.clip(small + np.random.default_rng(1).normal(0, noise, small.shape), 0, 255).astype(np.uint8)
 
 
 def prior_of(T: Pose, sigma_m: float = 0.1, sigma_rad: float = 0.05) -> Prior:
