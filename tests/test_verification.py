@@ -9,6 +9,8 @@ from proxnav.datasets.skies import sky_of
 from proxnav.estimator import PoseEstimator
 from proxnav.frames import FrameConfig, FrameJob
 from proxnav.geometry import Pose, quaternion
+from proxnav.geometry.perturbation import moved
+from proxnav.geometry.pose_errors import pose_errors
 from proxnav.missions import load_mission
 from proxnav.missions.scenes import draw_scenes
 from proxnav.pose.trust import Evidence
@@ -53,3 +55,21 @@ def test_the_estimator_refuses_what_the_picture_contradicts_and_says_why(frame) 
     assert (refused.status, refused.T_cam_target, refused.trust.verdict) == ("unlike_render", None, "contradicted")
     assert estimator(image, scene.camera).trust.verdict == "not_verifiable"
     assert replace(estimator, checked_by="nothing")(image, scene.camera).trust is None
+
+
+@pytest.mark.slow
+def test_a_pose_is_moved_to_the_picture_and_its_covariance_keeps_what_the_camera_does_not_know(frame) -> None:
+    image, scene = frame
+    estimator = PoseEstimator.load("space-rider", threads=1)
+    start = moved(scene.T_cam_target, np.array([0.01, -0.01, 0.1, 0.008, -0.006, 0.004]))
+    covariance = np.diag([0.05, 0.05, 0.4, 0.03, 0.03, 0.03]) ** 2
+    moves = np.zeros((6, 3))
+    moves[2, 0] = 0.3
+    before = PoseResult("ok", start, covariance + moves @ moves.T, np.ones(24, bool), calibration_moves=moves)
+    evidence = Evidence(0.99, 0.7, 0.01, 0.002, 0.5)
+    after, seen = estimator.compared(image, scene.camera, before, evidence, sky_of(scene))
+    off = [pose_errors(one.T_cam_target, scene.T_cam_target).e_r_rad for one in (before, after)]
+    assert off[1] < 0.85 * off[0]
+    assert seen.view.score > 0.647
+    assert after.covariance[2, 2] > 0.3**2
+    assert np.trace(after.covariance) < np.trace(before.covariance)

@@ -15,7 +15,7 @@ from proxnav.models.loading import Detect, DetectIn, Model, load_model
 from proxnav.pose.align import CLEARLY, AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose
-from proxnav.pose.trust import CheckedBy, Evidence, Similarity, TrustConfig, judged, widened
+from proxnav.pose.trust import CheckedBy, Evidence, TrustConfig, judged, verdict_of, widened
 from proxnav.records import Keypoints, PoseResult, Sky
 from proxnav.targets import Target
 
@@ -62,9 +62,9 @@ class PoseEstimator:
     ) -> PoseResult:
         """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size.
 
-        `sun_cam` and `nadir_cam`, directions to the Sun and to Earth's centre in camera axes, let the pose be checked
-        by the view that it predicts. `trust` of the result says what all evidence amounts to; a pose that is probably
-        hazardous is refused, with a status that says why.
+        `sun_cam` and `nadir_cam`, directions to the Sun and to Earth's centre in camera axes, let the pose be refined
+        and checked by the view that it predicts. `trust` of the result says what all evidence amounts to; a pose that
+        is probably hazardous is refused, with a status that says why.
         """
         sky = None if sun_cam is None else Sky(sun_cam, nadir_cam)
         return self.keypoints_and_pose(image, camera, sky=sky)[1]
@@ -76,8 +76,12 @@ class PoseEstimator:
 
         `box` [px]: where somebody knows the target to be, a navigation filter for one; nothing is searched then.
         """
-        keypoints, result, evidence = self.unjudged(image, camera, box, sky)
-        return keypoints, result if evidence is None else self.judged(result, evidence)
+        keypoints, result, evidence = self.unjudged(image, camera, box)
+        if evidence is None:
+            return keypoints, result
+        if sky is not None:
+            result, evidence = self.compared(image, camera, result, evidence, sky)
+        return keypoints, self.judged(result, evidence)
 
     def judged(self, result: PoseResult, evidence: Evidence) -> PoseResult:
         """The result with its trust; refused where the evidence says that it is probably hazardous."""
@@ -92,7 +96,7 @@ class PoseEstimator:
         return replace(result, trust=trust, covariance=widened(result.covariance, trust, self.trust))
 
     def unjudged(
-        self, image: Image, camera: Camera, box: Box | None = None, sky: Sky | None = None
+        self, image: Image, camera: Camera, box: Box | None = None
     ) -> tuple[Keypoints, PoseResult, Evidence | None]:
         """Keypoints and pose before any verdict, with the evidence; None without a pose or where nothing is checked."""
         check_size(image, camera)
@@ -108,16 +112,29 @@ class PoseEstimator:
             return keypoints, result, None
         edges, aligned = (0.0, None) if found is None else (found.edge_share, found.T_cam_target)
         scores = keypoints.lower_quartile_score
-        evidence = Evidence.of(scores, of_keypoints.p_value, of_keypoints.T_cam_target, aligned, edges)
-        return keypoints, result, evidence.seen(self._view(grey, camera, result, sky))
+        return keypoints, result, Evidence.of(
+            scores, of_keypoints.p_value, of_keypoints.T_cam_target, aligned, edges
+        )  # fmt: skip
 
-    def _view(self, grey: GreyImage, camera: Camera, result: PoseResult, sky: Sky | None) -> Similarity | None:
-        """Likeness of the image to the view that the pose predicts; None where no Sun is told or no shape is known."""
-        if sky is None or self.shape is None or result.T_cam_target is None:
-            return None
+    def compared(
+        self, image: Image, camera: Camera, result: PoseResult, evidence: Evidence, sky: Sky
+    ) -> tuple[PoseResult, Evidence]:
+        """Pose and evidence after the view that the pose predicts was laid onto the picture, under a Sun that is told.
+
+        As they were where no shape is known or the picture does not show it.
+        """
+        if self.shape is None or result.T_cam_target is None or result.covariance is None:
+            return result, evidence
         from proxnav.verification import verifier_of  # brings the ray caster, which only this needs
 
-        return verifier_of(self.shape).similarity(grey, camera, result.T_cam_target, sky)
+        shared = result.calibration_moves @ result.calibration_moves.T  # errors of the camera stay what they are
+        verifier, own = verifier_of(self.shape), result.covariance - shared
+        found = verifier.checked(grey_8_bit(image), camera, result.T_cam_target, own, sky)
+        if found is None:
+            return result, evidence
+        if verdict_of(found.similarity, self.trust) != "not_verifiable":
+            result = replace(result, T_cam_target=found.T_cam_target, covariance=found.covariance + shared)
+        return result, evidence.seen(found.similarity)
 
     def alignment_of(self, image: Image, camera: Camera) -> Alignment | None:
         """How the pose of an image was laid onto it; None where there is no pose or it stayed that of the keypoints."""

@@ -1,16 +1,19 @@
-"""A pose checked by the view that it predicts: the target ray-cast at the pose under the known Sun and Earth."""
+"""A pose moved and judged by the view that it predicts: the target ray-cast under the known Sun and Earth."""
 
 from dataclasses import dataclass
 from functools import lru_cache
 
+import cv2
 import numpy as np
 
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.arrays import unit
 from proxnav.geometry.celestial import EARTH_MEAN_RADIUS
-from proxnav.geometry.types import GreyImage
+from proxnav.geometry.types import GreyImage, PoseCovariance
 from proxnav.images.crop import Crop, cut
+from proxnav.pose.align.photometric import PredictedView, photometric_equations
 from proxnav.pose.align.target_crop import target_box
+from proxnav.pose.local_contrast import View
 from proxnav.pose.trust import Similarity, local_correlation
 from proxnav.records import EarthSpec, SceneSpec, Sky, SunSpec, Window
 from proxnav.rendering.raycast import RaycastRenderer
@@ -19,11 +22,22 @@ from proxnav.scenes.plain import quadruple, triple
 from proxnav.targets import Target
 
 SIDE_PX = 224
-"""Side of the square in which the views are compared."""
+"""Side of the square in which the likeness of views is measured."""
+STEPS = ((SIDE_PX, 2.0), (320, 2.5))
+"""Most pixels of the square's side and window [px] of each step that moves the pose; more steps gain little."""
 _MARGIN = 1.25
 """Side of the square over the longer side of the target's box."""
 _ALTITUDE_M = 400e3
 """Altitude of the target, which sets how much of the sky Earth fills; its light is a rough one anyway."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checked:
+    """A pose after it was compared with the picture."""
+
+    T_cam_target: Pose
+    covariance: PoseCovariance
+    similarity: Similarity
 
 
 @dataclass(frozen=True)
@@ -34,16 +48,49 @@ class Verifier:
 
     def similarity(self, grey: GreyImage, camera: Camera, T_cam_target: Pose, sky: Sky) -> Similarity | None:
         """Local correlation of the picture with the view that the pose predicts; None where it shows no target."""
+        return self._compared(grey, camera, T_cam_target, sky, SIDE_PX)[1]
+
+    def checked(
+        self, grey: GreyImage, camera: Camera, T_cam_target: Pose, covariance: PoseCovariance, sky: Sky
+    ) -> Checked | None:
+        """The pose moved until the view that it predicts lies on the picture; None where it shows no target.
+
+        The similarity is that of the last view that was drawn. A picture that says too little leaves the pose alone.
+        """
+        pose, similarity, information = T_cam_target, None, np.linalg.inv(covariance)
+        for side, window in STEPS:
+            views, similarity = self._compared(grey, camera, pose, sky, side)
+            if views is None or similarity is None:
+                return None
+            equations = photometric_equations(*views, window)
+            if equations is None:
+                break
+            pose = equations.step(pose, T_cam_target, information)
+            covariance = equations.covariance(information)
+        return None if similarity is None else Checked(pose, covariance, similarity)
+
+    def _compared(
+        self, grey: GreyImage, camera: Camera, T_cam_target: Pose, sky: Sky, most: int
+    ) -> tuple[tuple[PredictedView, View] | None, Similarity | None]:
+        """The predicted and the seen view in a square of at most so many pixels, and how alike they are."""
         box = target_box(self.renderer.target, T_cam_target, camera)
         if box is None:
-            return None
+            return None, None
         crop = Crop.around(box, _MARGIN)
-        small = camera.cropped(crop.x, crop.y, crop.size, crop.size).resized(SIDE_PX, SIDE_PX)
+        side = max(SIDE_PX, min(most, crop.size))
+        small = camera.cropped(crop.x, crop.y, crop.size, crop.size).resized(side, side)
         scene = _scene(self.renderer.target.name, camera, T_cam_target, sky)
-        frame = self.renderer.render(scene, Window(0, 0, SIDE_PX, SIDE_PX), small)
-        seen = cut(grey, crop, SIDE_PX).astype(np.float64)
-        inside = cut(np.full(grey.shape, 255, np.uint8), crop, SIDE_PX) > 127
-        return local_correlation(frame.radiance.mean(axis=2).astype(np.float64), seen, (frame.coverage > 0.5) & inside)
+        frame = self.renderer.render(scene, Window(0, 0, side, side), small)
+        seen = cut(grey, crop, side).astype(np.float64)
+        inside = cut(np.full(grey.shape, 255, np.uint8), crop, side) > 127
+        light, mask = frame.radiance.mean(axis=2).astype(np.float64), (frame.coverage > 0.5) & inside
+        view = PredictedView(T_cam_target, small, light, frame.depth_m, mask & np.isfinite(frame.depth_m))
+        return (view, seen), local_correlation(_shrunk(light), _shrunk(seen), _shrunk(mask.astype(np.float64)) > 0.5)
+
+
+def _shrunk(view: View) -> View:
+    """The view at the side in which likeness is measured, whatever it was drawn at."""
+    return view if len(view) == SIDE_PX else cv2.resize(view, (SIDE_PX, SIDE_PX), interpolation=cv2.INTER_AREA)
 
 
 @lru_cache(maxsize=4)

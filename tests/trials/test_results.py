@@ -62,7 +62,8 @@ def test_an_interrupted_run_draws_only_what_is_missing(tmp_path, monkeypatch: py
     def answers(job, scenes, workers, on, name):
         for trial in scenes:
             drawn.append(trial.key)
-            yield trial, TrialResult.of(trial, PoseResult.failure("no_target", 24), None)
+            failure = PoseResult.failure("no_target", 24)
+            yield trial, TrialResult.of(trial, failure, failure, None)
 
     monkeypatch.setattr(running, "run_anywhere", answers)
     run = TrialRun(mission(), "space-rider", 2, 7, out=tmp_path)

@@ -38,10 +38,10 @@ class JudgedTrial:
 def judge_trials(results: Sequence[TrialResult], config: TrustConfig, light: Light) -> list[JudgedTrial]:
     """The verdict on every pose, as the estimator would give it."""
     found = []
-    for one in with_pose(results):
+    for trial in with_pose(results):
+        one = trial.told() if light == "told" else trial.untold()
         assert one.evidence is not None and one.T_cam_target is not None and one.covariance is not None  # noqa: PT018
-        evidence = one.evidence if light == "told" else one.evidence.seen(None)
-        status, trust = judged(evidence, float(np.linalg.norm(one.T_cam_target.t_m)), one.covariance, config)
+        status, trust = judged(one.evidence, float(np.linalg.norm(one.T_cam_target.t_m)), one.covariance, config)
         honest = replace(one, covariance=widened(one.covariance, trust, config))
         found.append(JudgedTrial(honest, status, trust))
     return found

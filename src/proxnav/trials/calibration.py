@@ -20,13 +20,14 @@ _FEWEST_WRONG, _FEWEST_GOOD = 4, 20
 
 def calibrated_trust(results: Sequence[TrialResult], config: TrustConfig) -> TrustCalibration | None:
     """From trials under the conditions that teach; None where too few poses are good or hazardous."""
-    poses = [one for one in with_pose(results) if teaches(one.condition)]
-    seen = [one for one in poses if _is_compared(one, config)]
+    teaching = [one for one in with_pose(results) if teaches(one.condition)]
+    poses = [one.untold() for one in teaching]
+    seen = [one.told() for one in teaching if _is_compared(one, config)]
     wrong = int(_hazards(seen).sum())
     if wrong < _FEWEST_WRONG or len(seen) - wrong < _FEWEST_GOOD:
         return None
     told_by = doubt_rows([one.evidence for one in seen if one.evidence is not None])
-    untold_by = doubt_rows([one.evidence.seen(None) for one in poses if one.evidence is not None])
+    untold_by = doubt_rows([one.evidence for one in poses if one.evidence is not None])
     with_sun = fitted_hazard(told_by, _hazards(seen), RISK_TOLD)
     without = fitted_hazard(untold_by, _hazards(poses), RISK_UNTOLD)
     return TrustCalibration(

@@ -1,7 +1,7 @@
 """What came of a trial: the pose before any verdict, its evidence, and how wrong it is."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,14 +31,27 @@ class TrialResult:
     T_cam_target: Pose | None = None
     covariance: Float[np.ndarray, "6 6"] | None = None
     evidence: Evidence | None = None
+    refined: Pose | None = None
+    """The pose where the Sun is told; None without a pose."""
+    refined_covariance: Float[np.ndarray, "6 6"] | None = None
 
     @staticmethod
-    def of(trial: TrialScene, result: PoseResult, evidence: Evidence | None) -> "TrialResult":
-        """From what the estimator said."""
+    def of(trial: TrialScene, result: PoseResult, told: PoseResult, evidence: Evidence | None) -> "TrialResult":
+        """From what the estimator said before the Sun was told and after, with the evidence after."""
         return TrialResult(
             trial.key, trial.condition, trial.has_truth, trial.scene.T_cam_target, result.status, result.T_cam_target,
-            result.covariance, evidence,
+            result.covariance, evidence, told.T_cam_target, told.covariance,
         )  # fmt: skip
+
+    def told(self) -> "TrialResult":
+        """The pose and its evidence where the Sun is told."""
+        if self.refined is None:
+            return self
+        return replace(self, T_cam_target=self.refined, covariance=self.refined_covariance)
+
+    def untold(self) -> "TrialResult":
+        """The same where it is not."""
+        return self if self.evidence is None else replace(self, evidence=self.evidence.seen(None))
 
     @property
     def errors(self) -> Float[np.ndarray, "6"]:
@@ -75,25 +88,37 @@ def with_pose(results: Sequence[TrialResult]) -> list[TrialResult]:
 
 def to_json(result: TrialResult) -> dict[str, Any]:
     """As JSON content."""
-    T, covariance, evidence = result.T_cam_target, result.covariance, result.evidence
+    T, covariance, evidence, refined = result.T_cam_target, result.covariance, result.evidence, result.refined
     return {
         "key": result.key, "condition": result.condition, "has_truth": result.has_truth,
         "truth": _numbers(result.truth),
         "status": result.status, "pose": None if T is None else _numbers(T),
-        "covariance": None if covariance is None else np.asarray(covariance).ravel().tolist(),
+        "covariance": _flat(covariance),
+        "refined": None if refined is None else _numbers(refined),
+        "refined_covariance": _flat(result.refined_covariance),
         "evidence": None if evidence is None else asdict(evidence),
     }  # fmt: skip
 
 
 def from_json(content: dict[str, Any]) -> TrialResult:
     """Inverse of `to_json`."""
-    pose, covariance, evidence = content["pose"], content["covariance"], content["evidence"]
+    pose, refined, evidence = content["pose"], content["refined"], content["evidence"]
     return TrialResult(
         content["key"], content["condition"], content["has_truth"], _pose(content["truth"]), content["status"],
         None if pose is None else _pose(pose),
-        None if covariance is None else np.array(covariance).reshape(6, 6),
+        _matrix(content["covariance"]),
         None if evidence is None else _evidence(evidence),
+        None if refined is None else _pose(refined),
+        _matrix(content["refined_covariance"]),
     )  # fmt: skip
+
+
+def _flat(matrix: Float[np.ndarray, "6 6"] | None) -> list[float] | None:
+    return None if matrix is None else np.asarray(matrix).ravel().tolist()
+
+
+def _matrix(numbers: list[float] | None) -> Float[np.ndarray, "6 6"] | None:
+    return None if numbers is None else np.array(numbers).reshape(6, 6)
 
 
 def _numbers(T: Pose) -> list[float]:

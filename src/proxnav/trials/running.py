@@ -37,8 +37,11 @@ class TrialJob:
 
         def answer(trial: TrialScene) -> TrialResult:
             image = draw_trial(trial, self.target, self.others)
-            _, result, evidence = estimator.unjudged(image, trial.told, sky=sky_of(trial.scene))
-            return TrialResult.of(trial, result, evidence)
+            _, result, evidence = estimator.unjudged(image, trial.told)
+            if evidence is None:
+                return TrialResult.of(trial, result, result, None)
+            told, evidence = estimator.compared(image, trial.told, result, evidence, sky_of(trial.scene))
+            return TrialResult.of(trial, result, told, evidence)
 
         return answer
 
@@ -96,7 +99,7 @@ def _read(path: Path) -> dict[str, TrialResult]:
     for line in path.read_text().splitlines():
         try:
             result = from_json(json.loads(line))
-        except ValueError:
+        except (ValueError, KeyError):
             continue
         found[result.key] = result
     return found

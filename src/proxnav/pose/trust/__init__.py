@@ -2,7 +2,7 @@
 
 from proxnav.pose.trust.evidence import Evidence
 from proxnav.pose.trust.local_correlation import Similarity, local_correlation
-from proxnav.pose.trust.verdict import CheckedBy, TrustCalibration, TrustConfig, judged, widened
+from proxnav.pose.trust.verdict import CheckedBy, TrustCalibration, TrustConfig, judged, verdict_of, widened
 
 __all__ = [
     "CheckedBy",
@@ -12,5 +12,6 @@ __all__ = [
     "TrustConfig",
     "judged",
     "local_correlation",
+    "verdict_of",
     "widened",
 ]
