@@ -44,7 +44,7 @@ def test_a_data_set_evaluates_to_zero_against_itself_in_every_format(
     out = tmp_path / "out"
     assert main(["convert", str(dataset), "--to", format, "--out", str(out), "--validation-share", "0"]) == 0
     assert f"4 images from proxnav to {format}" in capsys.readouterr().out
-    tables = [p for p in out.rglob("*") if p.suffix == ".csv" or p.name in ("annotations.json", "poses.json")]
+    tables = [p for p in out.rglob("*") if p.suffix in (".csv", ".tum") or p.name in ("annotations.json", "poses.json")]
     source = out if format in ("proxnav", "urso") or not tables else tables[0]
     for sides in ((source, dataset), (dataset, source)):
         assert main(["evaluate", *map(str, sides), "--json"]) == 0

@@ -18,7 +18,7 @@ class ConvertConfig:
     """A folder or file of poses, or the files of one trajectory (target first, then chaser)."""
     to: str
     """proxnav, coco, detectron2, yolo-pose, speed, speed+, poses, urso, krn, spnv2, spec2019, spec2021, spark, bop,
-    bop-results, shards; trajectories: stk, ccsds, csv."""
+    bop-results, tum, shards; trajectories: stk, ccsds, csv."""
     out: Path
     """Folder to write; it must be empty or absent."""
     from_: Annotated[str, tyro.conf.arg(name="from")] = "auto"

@@ -6,6 +6,8 @@ import numpy as np
 
 from proxnav.evaluation.consistency import Consistency, Efficiency
 from proxnav.evaluation.summary import Summary
+from proxnav.evaluation.surface_errors import SurfaceScores
+from proxnav.evaluation.trajectory_errors import TrajectoryErrors
 
 STUDY = {
     "mean_e_t_x_m": 0.2978,
@@ -79,6 +81,34 @@ def efficiency_table(bins: Mapping[tuple[float, float], Efficiency]) -> str:
         numbers = (one.rms_t_m, one.bound_t_m, one.translation, one.median_t, *turn, one.rotation, one.median_r)
         rows.append([f"{near:g}-{far:g}", str(one.poses), *(f"{number:.3g}" for number in numbers)])
     return "errors over the Cramer-Rao bound (keypoints in sight, each known to 1 px per axis):\n" + _aligned(rows)
+
+
+def score_table(
+    spark: float, recall: Mapping[str, float], surface: SurfaceScores | None, trajectory: TrajectoryErrors | None
+) -> str:
+    """Scores in the dialects of others; those that need a surface or times only where these are known."""
+    rows = [("score", "", "")]
+    rows.append(("SPARK: mean E_T [m] + mean E_R [rad]", f"{spark:.4g}", ""))
+    rows += [(f"recall at {name}", f"{100.0 * share:.1f}", "%") for name, share in recall.items()]
+    if surface is not None:
+        rows += [
+            ("mean ADD", f"{surface.mean_add_m:.4g}", "m"),
+            ("mean ADD-S", f"{surface.mean_add_s_m:.4g}", "m"),
+            ("mean MSSD", f"{surface.mean_mssd_m:.4g}", "m"),
+            ("mean MSPD", f"{surface.mean_mspd_px:.4g}", "px"),
+            ("recall of ADD at 0.1 diameter", f"{100.0 * surface.add_recall:.1f}", "%"),
+            ("recall of ADD-S at 0.1 diameter", f"{100.0 * surface.add_s_recall:.1f}", "%"),
+            ("AR of MSSD (BOP)", f"{100.0 * surface.ar_mssd:.1f}", "%"),
+            ("AR of MSPD (BOP)", f"{100.0 * surface.ar_mspd:.1f}", "%"),
+        ]
+    if trajectory is not None:
+        rows += [
+            ("APE of the camera, RMSE, not aligned", f"{trajectory.ape_m.rmse:.4g}", "m"),
+            ("the same of attitude", f"{trajectory.ape_deg.rmse:.4g}", "deg"),
+            ("RPE from pose to pose, RMSE", f"{trajectory.rpe_m.rmse:.4g}", "m"),
+            ("the same of attitude", f"{trajectory.rpe_deg.rmse:.4g}", "deg"),
+        ]
+    return _aligned(rows)
 
 
 def _coverage(s: Summary) -> str:

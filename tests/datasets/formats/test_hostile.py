@@ -231,17 +231,20 @@ def _with(content: object, path: tuple, value: object) -> object:
     return changed
 
 
+_NAMED = [format for format in WRITERS if format != "tum"]  # which has times for names, and neither JSON nor csv
+
+
 @pytest.fixture(scope="module")
 def valid_sets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """One small set of every format, each in its folder."""
     labels = read_labels(make_dataset(tmp_path_factory.mktemp("valid") / "set", 2))
     folder = tmp_path_factory.mktemp("formats")
     options = WriteOptions(split="lightbox/test", images="none")
-    return {format: write_labels(labels, folder / format, format, options) for format in WRITERS}
+    return {format: write_labels(labels, folder / format, format, options) for format in _NAMED}
 
 
 @settings(max_examples=250, deadline=None)
-@given(format=st.sampled_from([*WRITERS]), data=st.data())
+@given(format=st.sampled_from(_NAMED), data=st.data())
 def test_any_change_of_a_valid_set_is_a_value_or_a_sentence(valid_sets, format, data) -> None:
     folder = valid_sets[format]
     path = data.draw(st.sampled_from(sorted(p for p in folder.rglob("*") if p.suffix in (".json", ".csv"))))

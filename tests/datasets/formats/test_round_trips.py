@@ -63,7 +63,7 @@ def again(folder: Path, format: str, name: str = "auto") -> dict[str, LabelRecor
     return {record.filename: record for record in found}
 
 
-@pytest.mark.parametrize("format", [name for name in WRITERS if name != "bop-results"])
+@pytest.mark.parametrize("format", [name for name in WRITERS if name not in ("bop-results", "tum")])
 def test_poses_images_and_labels_come_back(format: str, labels: Labels, tmp_path: Path) -> None:
     out = write_labels(labels, tmp_path / "out", format, WriteOptions(split="lightbox" if format == "spec2021" else ""))
     found = again(out, format)
@@ -89,7 +89,7 @@ def test_the_camera_comes_back(format: str, labels: Labels, tmp_path: Path) -> N
 
 
 def test_a_format_named_by_its_name_reads_as_the_recognised_one(labels: Labels, tmp_path: Path) -> None:
-    for format in WRITERS:
+    for format in [name for name in WRITERS if name != "tum"]:  # whose records are known by their times
         out = write_labels(labels, tmp_path / format, format, WriteOptions(split="lightbox"))
         source = out / TABLES[format][0] if format in TABLES and format not in ("krn", "spnv2") else out
         if format in ("krn", "spnv2"):
@@ -183,7 +183,7 @@ def test_a_conversion_that_fails_leaves_nothing_behind(labels: Labels, tmp_path:
 
 
 def test_reading_and_writing_know_the_same_formats() -> None:
-    assert set(READERS) - set(WRITERS) == {"shirt"}
+    assert set(READERS) - set(WRITERS) == {"shirt", "solution"}
 
 
 @given(st.floats(0.5, 5000.0))
@@ -202,7 +202,7 @@ def test_depth_beyond_16_bits_is_refused_and_not_clipped() -> None:
 
 
 @settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.sampled_from([n for n in WRITERS if n not in WITH_KEYPOINTS]), st.data())
+@given(st.sampled_from([n for n in WRITERS if n not in (*WITH_KEYPOINTS, "tum")]), st.data())
 def test_any_pose_comes_back(tmp_path_factory: pytest.TempPathFactory, format: str, data: st.DataObject) -> None:
     q = np.array(data.draw(st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4)))
     t = np.array(data.draw(st.lists(st.floats(-1e3, 1e3), min_size=3, max_size=3)))

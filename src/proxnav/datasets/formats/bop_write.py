@@ -18,6 +18,7 @@ from proxnav.datasets.formats.places import place
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_of_mask
+from proxnav.geometry.diameter import diameter
 from proxnav.images.codecs import encode_png, read_image
 from proxnav.storage.files import write_atomic, write_json
 
@@ -166,14 +167,7 @@ def _models(labels: Labels, folder: Path, options: WriteOptions) -> None:
 
 
 def _extents(points_mm: Float[np.ndarray, "n 3"]) -> dict[str, float]:
-    from scipy.spatial import ConvexHull, QhullError
-    from scipy.spatial.distance import pdist
-
-    try:
-        corners = points_mm[ConvexHull(points_mm).vertices]
-    except (QhullError, ValueError):  # flat or few points
-        corners = points_mm
     low, size = points_mm.min(axis=0), np.ptp(points_mm, axis=0)
-    found = {"diameter": float(pdist(corners).max())}
+    found = {"diameter": diameter(points_mm)}
     found |= {f"min_{axis}": float(v) for axis, v in zip("xyz", low, strict=True)}
     return found | {f"size_{axis}": float(v) for axis, v in zip("xyz", size, strict=True)}

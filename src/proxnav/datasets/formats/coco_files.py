@@ -46,9 +46,13 @@ def read_dataset(folder: Path, options: ReadOptions) -> Labels:
     dataset = Dataset(folder)
     for label in dataset.labels:
         checked_name(label.filename, str(folder / "annotations.json"))
+    times = _times(dataset)
     records = [
-        from_frame_label(
-            label, existing(folder / "images", label.filename), mask_beside(folder / "masks", label.filename)
+        replace(
+            from_frame_label(
+                label, existing(folder / "images", label.filename), mask_beside(folder / "masks", label.filename)
+            ),
+            t_s=times.get(label.filename),
         )
         for label in dataset.labels
     ]
@@ -56,6 +60,13 @@ def read_dataset(folder: Path, options: ReadOptions) -> Labels:
     return Labels(
         tuple(records), options.camera or dataset.camera, points, dataset.keypoint_names, dataset.target_name, "proxnav"
     )
+
+
+def _times(dataset: Dataset) -> dict[str, float]:
+    """Times of the frames of a sequence [s], by file name."""
+    if not (dataset.folder / "scenes.jsonl").is_file():
+        return {}
+    return {scene.filename: scene.t for scene in dataset.scenes() if scene.sequence}
 
 
 def read_coco(path: Path, options: ReadOptions) -> Labels:

@@ -41,6 +41,8 @@ class LabelRecord:
     """255 where the target is, where there is one."""
     size_px: tuple[int, int] | None = None
     """(width, height) of the image, where the file says it."""
+    t_s: float | None = None
+    """Time of a record of a sequence."""
 
     def __post_init__(self) -> None:
         for name, shape in (("keypoints_px", (None, 2)), ("box_xyxy", (4,)), ("covariance", (6, 6))):

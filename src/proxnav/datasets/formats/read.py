@@ -14,6 +14,7 @@ from proxnav.datasets.formats import (
     speed_trees,
     spnv2,
     submissions,
+    tum,
     urso,
     yolo_read,
 )
@@ -53,6 +54,8 @@ READERS: Mapping[str, tuple[Reader, Order | None]] = {
     "spark": (spark.read, "xyzw"),
     "bop": (bop.read, None),
     "bop-results": (bop_results.read, None),
+    "tum": (tum.read, "xyzw"),
+    "solution": (tum.read_solution, None),
 }
 """Name to reader and the order of its quaternions; None where there are none, or none to be mistaken."""
 
@@ -86,12 +89,22 @@ def read_pose_records(
 
     The key is the file name, and `split/filename` where names repeat in the set.
     """
-    labels = read_labels(path, format, options)
+    return pose_records(read_labels(path, format, options), str(path))
+
+
+def pose_records(labels: Labels, source: str) -> dict[str, PoseRecord]:
+    """The poses of labels by image, as `read_pose_records` names them."""
     counts = Counter(record.filename for record in labels.records)
     found: dict[str, PoseRecord] = {}
     for record in labels.records:
         name = record.filename if counts[record.filename] == 1 else f"{record.split}/{record.filename}"
         if name in found:
-            raise InputError(f"{path}: '{name}' occurs more than once; each image may have one pose")
+            raise InputError(f"{source}: '{name}' occurs more than once; each image may have one pose")
         found[name] = PoseRecord(name, record.T_cam_target, record.status, record.covariance)
     return found
+
+
+def timed(labels: Labels) -> Labels:
+    """The labels with their times for names."""
+    named = zip(labels.records, tum.times_of(labels), strict=True)
+    return replace(labels, records=tuple(replace(r, filename=tum.time_name(t_s)) for r, t_s in named))

@@ -11,6 +11,7 @@ from proxnav.datasets.formats.names import is_name
 from proxnav.datasets.formats.pose_bowl import refuse_pose_bowl
 from proxnav.datasets.formats.row_numbers import numbers
 from proxnav.datasets.formats.speed_trees import is_pose_list, pose_files
+from proxnav.datasets.formats.tum import is_tum
 from proxnav.datasets.formats.urso import POSES
 from proxnav.datasets.formats.yolo_pose import YAML
 from proxnav.datasets.formats.yolo_read import is_yolo_pose
@@ -32,6 +33,8 @@ def recognise(path: Path) -> str:
         return _table(path)
     if path.suffix.lower() in (".yaml", ".yml"):
         return "yolo-pose"
+    if path.suffix.lower() in (".tum", ".txt") or (path.suffix.lower() != ".json" and is_tum(path)):
+        return "tum"
     return _json(path)
 
 
@@ -73,6 +76,8 @@ def _table(path: Path) -> str:
         return "bop-results"
     if path.name.endswith(POSES) or head == ["x", "y", "z", "q1", "q2", "q3", "q4"]:
         return "urso"
+    if {"t_s", "q_cam_target_w"} <= set(head):
+        return "solution"
     refuse_pose_bowl(head, path)
     if is_header(rows[0]):
         return _by_names(rows, path)

@@ -1,12 +1,19 @@
-"""The same image under two names: `lightbox/img12.jpg` here, `img12.jpg` or BOP's `000012.png` there."""
+"""The same image under two names: `lightbox/img12.jpg` here, `img12.jpg` or BOP's `000012.png` there; the same
+instant of two trajectories.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import PurePosixPath
 
+import numpy as np
+
 from proxnav.datasets.formats.bop import image_number
 from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.errors import InputError
+
+SAME_INSTANT_S = 0.01
+"""Times nearer to each other are the same, as evo has it."""
 
 
 def named_as(truth: Mapping[str, PoseRecord], estimates: Mapping[str, PoseRecord]) -> dict[str, PoseRecord]:
@@ -24,6 +31,20 @@ def named_as(truth: Mapping[str, PoseRecord], estimates: Mapping[str, PoseRecord
         if names is not None:
             return {names[name]: replace(record, filename=names[name]) for name, record in estimates.items()}
     return dict(estimates)
+
+
+def at_times_of(truth: Mapping[str, PoseRecord], estimates: Mapping[str, PoseRecord]) -> dict[str, PoseRecord]:
+    """The estimates under the truth's names, both being times: the nearest within 10 ms; others are left out."""
+    names = sorted(truth, key=float)
+    known = np.array([float(name) for name in names])
+    found: dict[str, PoseRecord] = {}
+    for name, record in estimates.items():
+        nearest = names[int(np.abs(known - float(name)).argmin())]
+        if abs(float(nearest) - float(name)) <= SAME_INSTANT_S and nearest not in found:
+            found[nearest] = replace(record, filename=nearest)
+    if not found:
+        raise InputError(f"no estimate is within {SAME_INSTANT_S * 1e3:g} ms of a time of the truth; check both clocks")
+    return found
 
 
 def _translation(

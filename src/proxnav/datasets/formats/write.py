@@ -14,6 +14,7 @@ from proxnav.datasets.formats import (
     speed_trees,
     spnv2,
     submissions,
+    tum,
     urso,
     yolo_pose,
 )
@@ -40,6 +41,7 @@ WRITERS: Mapping[str, Writer] = {
     "spark": spark.write,
     "bop": bop_write.write,
     "bop-results": bop_results.write,
+    "tum": tum.write,
 }
 
 
