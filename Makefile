@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 # Byte code is written where it is used: that of the libraries would be a tenth of their size.
 INSTALL := -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
-EXTRAS := train,cad,view,cluster,storage,parquet,matlab,spice,benchmark,dev,docs
+EXTRAS := train,cad,view,cluster,storage,parquet,matlab,spice,benchmark,ros2,dev,docs
 CORE := $(VENV)/.core
 ALL := $(VENV)/.installed
 LINTED := src tests tools examples

@@ -25,7 +25,7 @@ def _main(number: int) -> Callable[..., Any]:
 
 def test_examples_are_numbered_without_gaps_and_stay_short() -> None:
     paths = sorted(EXAMPLES.glob("*.py"))
-    assert [path.name[:3] for path in paths] == [f"{k:02d}_" for k in range(1, 9)]
+    assert [path.name[:3] for path in paths] == [f"{k:02d}_" for k in range(1, 10)]
     assert all(len(path.read_text(encoding="utf-8").splitlines()) < 60 for path in paths)
 
 
@@ -77,3 +77,8 @@ def test_07_scores_estimates_against_the_truth(tmp_path: Path) -> None:
 def test_08_keeps_the_position_within_a_metre(tmp_path: Path) -> None:
     assert np.linalg.norm(_main(8)(tmp_path, seconds=40.0)) < 1.0  # m, at 100 m
     assert (tmp_path / "08_navigation" / "solution.csv").is_file()
+
+
+def test_09_flies_on_images_alone_to_where_its_path_leads() -> None:
+    pytest.importorskip("Basilisk", reason="Basilisk is not installed: pip install bsk")
+    assert _main(9)(seconds=100.0) == pytest.approx(24.0, abs=0.5)  # m

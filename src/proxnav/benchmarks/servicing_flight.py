@@ -24,7 +24,7 @@ STEP_S, CONTROL_S, FRAME_S = 0.5, 1.0, 2.0
 MASS_KG, INERTIA = 24.0, (0.5, 0.6, 0.6)
 _TARGET_MASS_KG = 4900.0
 _BANDWIDTH = 0.1
-"""Bandwidth of the position loop [rad/s]: the acceleration along the path, for which the control has no input, costs 0.1 m."""
+"""Bandwidth of the position loop [rad/s]: accelerations of the path, for which the control has no input, cost 0.1 m."""
 _ATTITUDE_BANDWIDTH = 0.15
 CAMERA_AT = (0.10, 0.0, 0.05)
 """Camera on the body [m]."""

@@ -54,6 +54,8 @@ class LoopConfig:
     """Start beside the path, Hill axes."""
     seed: int = 0
     model: str = "space-rider"
+    threads: int = 0
+    """Threads of the network; 0 takes all cores."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,7 +132,7 @@ def _wired(flight: ServicingFlight, config: LoopConfig, camera: Camera) -> _Part
         drawn.targetStateInMsg.subscribeTo(flight.target.scStateOutMsg)
         drawn.cameraConfigInMsg.subscribeTo(message)
         flight.sim.AddModelToTask("camera", drawn, 20)
-        poses = PoseSensor(PoseEstimator.load(config.model))
+        poses = PoseSensor(PoseEstimator.load(config.model, threads=config.threads))
         poses.imageInMsg.subscribeTo(drawn.imageOutMsg)
         poses.chaserAttInMsg.subscribeTo(flight.own.attOutMsg)
     poses.cameraConfigInMsg.subscribeTo(message)
