@@ -70,6 +70,7 @@ COMMANDS: dict[str, Command | Group] = {
         renamed={"--camera": "--detector modelled (was model) or --detector raycast"},
     ),
     "navigate": Command("the filter over records: navigation solution with covariance", "navigate"),
+    "live": Command("poses of images as they come: a folder that fills, a video, a camera", "live"),
     "evaluate": Command("poses.json against truth: the study's Table 1 and ours", "evaluate"),
     "report": Command("one HTML page of a finished run", "report"),
     "view": Command("replay of a run: Rerun, video (.mp4) or MCAP", "view"),

@@ -151,7 +151,7 @@ def _refuse_both(argv: list[str]) -> None:
 
 def _overview() -> str:
     return (
-        "usage: proxnav COMMAND [options]\n\nRelative navigation of spacecraft from one camera.\n\n"
+        "usage: proxnav COMMAND [options]: relative navigation of spacecraft from one camera.\n\n"
         f"{_table(COMMANDS)}\n\n'proxnav COMMAND --help' explains one. Exit status: 0 done, 1 bad input, "
         "2 wrong usage, 3 done but not to be trusted, 130 interrupted."
     )

@@ -6,7 +6,8 @@ from proxnav.datasets.set.dataset import Dataset
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 
-_SUFFIXES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm"}
+SUFFIXES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm"}
+"""Ends of the names of image files."""
 
 
 def find_images(source: Path) -> list[Path]:
@@ -14,7 +15,7 @@ def find_images(source: Path) -> list[Path]:
     if (source / "annotations.json").is_file():
         return Dataset(source).image_paths
     if source.is_dir():
-        images = sorted(path for path in source.iterdir() if path.suffix.lower() in _SUFFIXES)
+        images = sorted(path for path in source.iterdir() if path.suffix.lower() in SUFFIXES)
         if not images:
             raise InputError(f"{source}: holds no images; give a data set, a folder of images or an image file")
         return images

@@ -43,6 +43,14 @@ def write_records(folder: Path, records: SensorRecords) -> None:
 
 def read_records(folder: Path) -> ReadRecords:
     """All csv files of a records folder; only the ephemeris must be there, and keypoints or poses."""
+    found = read_other_records(folder)
+    if found.records.keypoints is None and found.records.poses is None:
+        raise InputError(f"{folder}: neither keypoints.csv nor poses.csv; the filter needs one of them to start")
+    return found
+
+
+def read_other_records(folder: Path) -> ReadRecords:
+    """All csv files of a records folder; only the ephemeris must be there: the camera's part comes from elsewhere."""
     epoch, antennas = _read_about(folder / "records.json")
     found, rejected = {}, {}
     for name, table in TABLES.items():
@@ -55,8 +63,6 @@ def read_records(folder: Path) -> ReadRecords:
                 rejected[name] = counts
     if "ephemeris" not in found:
         raise InputError(f"{folder}: no ephemeris.csv; the filter needs the target's orbit to know up from ahead")
-    if "keypoints" not in found and "poses" not in found:
-        raise InputError(f"{folder}: neither keypoints.csv nor poses.csv; the filter needs one of them to start")
     return ReadRecords(records_of(epoch, found, antennas), rejected)
 
 

@@ -23,21 +23,23 @@ from proxnav.viewing.replay.ros2_messages import LAYOUTS, LINE_LOOP
 
 _FOUND, _TRUE = (1.0, 0.78, 0.16, 1.0), (0.35, 0.86, 0.35, 1.0)
 _CLEAR = {"r": 0.0, "g": 0.0, "b": 0.0, "a": 0.0}
-_TYPES = {
+TYPES = {
     "/camera/image/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
     "/camera/annotations": "foxglove_msgs/msg/ImageAnnotations",
     "/target/pose/estimate": "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "/target/pose/navigation": "geometry_msgs/msg/PoseWithCovarianceStamped",
     "/target/pose/truth": "geometry_msgs/msg/PoseStamped",
     "/tf": "tf2_msgs/msg/TFMessage",
 }
+"""Message type of each topic."""
 START_WITHOUT_EPOCH_NS = 1_000_000_000
 """Frames that are no sequence in time start one second after 1970: ROS takes time zero as 'no time'."""
 
 
 def save_mcap(replay: Replay, path: Path) -> None:
     """Writes the file; whole or not at all."""
-    Writer = _writer()
+    Writer = writer_class()
     start = start_ns(replay)
     with replacing(path) as part, part.open("wb") as file:
         writer = Writer(file)
@@ -45,7 +47,7 @@ def save_mcap(replay: Replay, path: Path) -> None:
         for number, step in enumerate(replay.steps):
             stamp = start + round(step.t * 1e9)
             for topic, message in messages(replay, step, stamp).items():
-                writer.write_message(topic, schemas[_TYPES[topic]], message, stamp, stamp, number)
+                writer.write_message(topic, schemas[TYPES[topic]], message, stamp, stamp, number)
         writer.finish()
 
 
@@ -58,7 +60,7 @@ def start_ns(replay: Replay) -> int:
 
 def messages(replay: Replay, step: ReplayStep, stamp_ns: int) -> dict[str, dict[str, Any]]:
     """What is said at one step, by topic."""
-    header = {"stamp": _time(stamp_ns), "frame_id": "camera"}
+    header = {"stamp": ros_time(stamp_ns), "frame_id": "camera"}
     said: dict[str, dict[str, Any]] = {"/camera/camera_info": {"header": header} | camera_info(replay.camera)}
     if step.image is not None and step.image.is_file():
         data = encode_jpeg(as_8_bit(read_image(step.image)), JPEG_QUALITY)
@@ -66,10 +68,10 @@ def messages(replay: Replay, step: ReplayStep, stamp_ns: int) -> dict[str, dict[
     said["/camera/annotations"] = _annotations(replay, step, header["stamp"])
     if step.estimate is not None:
         covariance = np.zeros((6, 6)) if step.pose_covariance is None else step.pose_covariance
-        pose = {"pose": _pose(step.estimate.T_cam_target), "covariance": covariance.ravel().tolist()}
+        pose = {"pose": ros_pose(step.estimate.T_cam_target), "covariance": covariance.ravel().tolist()}
         said["/target/pose/estimate"] = {"header": header, "pose": pose}
     if step.truth is not None:
-        said["/target/pose/truth"] = {"header": header, "pose": _pose(step.truth.T_cam_target)}
+        said["/target/pose/truth"] = {"header": header, "pose": ros_pose(step.truth.T_cam_target)}
     said["/tf"] = {"transforms": _transforms(step, header["stamp"])}
     return said
 
@@ -116,14 +118,17 @@ def _transforms(step: ReplayStep, stamp: dict[str, int]) -> list[dict[str, Any]]
         frames += [("camera", best.T_world_cam), ("target", best.T_world_target)]
     if step.estimate is not None:
         frames.append(("camera_estimate", step.estimate.T_world_cam))
-    return [
-        {"header": {"stamp": stamp, "frame_id": "world"}, "child_frame_id": name,
-         "transform": {"translation": _xyz(T), "rotation": _rotation(T)}}
-        for name, T in frames
-    ]  # fmt: skip
+    return [ros_transform("world", name, T, stamp) for name, T in frames]
 
 
-def _pose(T: Pose) -> dict[str, Any]:
+def ros_transform(parent: str, child: str, T: Pose, stamp: dict[str, int]) -> dict[str, Any]:
+    """Fields of geometry_msgs/TransformStamped: T maps the child's coordinates to the parent's."""
+    transform = {"translation": _xyz(T), "rotation": _rotation(T)}
+    return {"header": {"stamp": stamp, "frame_id": parent}, "child_frame_id": child, "transform": transform}
+
+
+def ros_pose(T: Pose) -> dict[str, Any]:
+    """Fields of geometry_msgs/Pose."""
     return {"position": _xyz(T), "orientation": _rotation(T)}
 
 
@@ -148,11 +153,13 @@ def _rgba(colour: tuple[float, ...]) -> dict[str, float]:
     return dict(zip("rgba", colour, strict=True))
 
 
-def _time(stamp_ns: int) -> dict[str, int]:
+def ros_time(stamp_ns: int) -> dict[str, int]:
+    """Fields of builtin_interfaces/Time of nanoseconds since 1970."""
     return {"sec": stamp_ns // 10**9, "nanosec": stamp_ns % 10**9}
 
 
-def _writer() -> Any:
+def writer_class() -> Any:
+    """The writer of MCAP files with ROS 2 messages. InputError where it is not installed."""
     try:
         from mcap_ros2.writer import Writer
     except ImportError:

@@ -29,7 +29,7 @@ _ERROR_COLOURS = ((235, 70, 70), (70, 200, 70), (80, 130, 255))
 
 def save_rerun(replay: Replay, path: Path) -> None:
     """Writes the recording, with its layout, to an .rrd file; whole or not at all."""
-    rr = _rerun()
+    rr = rerun_module()
     with replacing(path) as part:
         with rr.RecordingStream("proxnav", recording_id=replay.title) as recording:
             recording.save(part, default_blueprint=_layout(replay))
@@ -40,7 +40,7 @@ def save_rerun(replay: Replay, path: Path) -> None:
 
 def open_rerun(replay: Replay) -> None:
     """Opens the viewer and plays into it; InputError where there is no display."""
-    rr = _rerun()
+    rr = rerun_module()
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise InputError("this machine has no display: give --save FILE.rrd and open that file elsewhere with 'rerun'")
     with rr.RecordingStream("proxnav", recording_id=replay.title) as recording:
@@ -60,7 +60,7 @@ def log_replay(replay: Replay, recording: Any) -> None:
 
 
 def _log_fixed(replay: Replay, recording: Any) -> None:
-    rr, camera = _rerun(), replay.camera
+    rr, camera = rerun_module(), replay.camera
     axes = rr.ViewCoordinates.FRD if replay.world == "target" else rr.ViewCoordinates.RIGHT_HAND_X_UP
     recording.log("world", axes, static=True)
     recording.log("world/target/axes", _triad(float(_size(replay)) / 4.0), static=True)
@@ -85,7 +85,7 @@ def _log_fixed(replay: Replay, recording: Any) -> None:
 
 
 def _log_step(replay: Replay, step: ReplayStep, recording: Any) -> None:
-    rr = _rerun()
+    rr = rerun_module()
     for kind, view in (("truth", step.truth), ("estimate", step.estimate)):
         moved = rr.Clear(recursive=False) if view is None else _transform(view.T_world_cam)
         recording.log(f"world/{kind}/camera", moved)
@@ -99,7 +99,7 @@ def _log_step(replay: Replay, step: ReplayStep, recording: Any) -> None:
 
 
 def _log_image(replay: Replay, step: ReplayStep, shown: Placement | None, recording: Any) -> None:
-    rr, place = _rerun(), "world/truth/camera/image"
+    rr, place = rerun_module(), "world/truth/camera/image"
     if step.image is not None and step.image.is_file():
         contents = encode_jpeg(as_8_bit(read_image(step.image)), JPEG_QUALITY)
         recording.log(place, rr.EncodedImage(contents=contents, media_type="image/jpeg"))
@@ -112,7 +112,7 @@ def _log_image(replay: Replay, step: ReplayStep, shown: Placement | None, record
 
 
 def _log_ellipsoid(step: ReplayStep, recording: Any) -> None:
-    rr = _rerun()
+    rr = rerun_module()
     if step.estimate is None or step.covariance_m2 is None or not np.isfinite(step.covariance_m2).all():
         recording.log("world/estimate/sigma", rr.Clear(recursive=False))
         return
@@ -126,7 +126,7 @@ def _log_ellipsoid(step: ReplayStep, recording: Any) -> None:
 
 
 def _log_errors(replay: Replay, step: ReplayStep, recording: Any) -> None:
-    rr = _rerun()
+    rr = rerun_module()
     for k, name in enumerate(replay.axes):
         group, scale = ("position", 1.0) if k < 3 else ("attitude", 180.0 / np.pi)
         place = f"errors/{group}/{entity_name(name)}"
@@ -160,7 +160,7 @@ def entity_name(name: str) -> str:
 
 def _path(replay: Replay, kind: str, colour: tuple[int, int, int]) -> Any:
     """All places of the camera: a line where they follow one another in time, dots otherwise."""
-    rr = _rerun()
+    rr = rerun_module()
     views = [step.truth if kind == "truth" else step.estimate for step in replay.steps]
     places = np.array([view.T_world_cam.t_m for view in views if view is not None]).reshape(-1, 3)
     if replay.is_sequence:
@@ -174,7 +174,7 @@ def _mesh(replay: Replay) -> Any:
     assert target is not None
     albedo = np.array([material.albedo for material in target.materials])[target.face_part]
     shade = np.round(255.0 * np.clip(albedo, 0.0, 1.0) ** (1.0 / 2.2)).astype(np.uint8)
-    return _rerun().Mesh3D(
+    return rerun_module().Mesh3D(
         vertex_positions=target.vertices_m[target.faces].reshape(-1, 3).astype(np.float32),
         triangle_indices=np.arange(3 * len(target.faces), dtype=np.uint32).reshape(-1, 3),
         vertex_normals=target.corner_normals.reshape(-1, 3).astype(np.float32),
@@ -201,7 +201,7 @@ def _layout(replay: Replay) -> Any:
 
 
 def _triad(length_m: float) -> Any:
-    return _rerun().Arrows3D(vectors=np.eye(3) * length_m, colors=_ERROR_COLOURS, labels=["x", "y", "z"])
+    return rerun_module().Arrows3D(vectors=np.eye(3) * length_m, colors=_ERROR_COLOURS, labels=["x", "y", "z"])
 
 
 def _size(replay: Replay) -> float:
@@ -211,7 +211,7 @@ def _size(replay: Replay) -> float:
 
 
 def _transform(T: Pose) -> Any:
-    rr = _rerun()
+    rr = rerun_module()
     return rr.Transform3D(translation=T.t_m, quaternion=rr.Quaternion(xyzw=_xyzw(T.q_wxyz)))
 
 
@@ -223,7 +223,8 @@ def _finite(pixels: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
     return pixels[np.isfinite(pixels).all(axis=1)]
 
 
-def _rerun() -> Any:
+def rerun_module() -> Any:
+    """Rerun. InputError where it is not installed."""
     try:
         import rerun
     except ImportError:
