@@ -1,15 +1,18 @@
 """Image in, pose and covariance out: a detector and the pose solver as one call. Needs no torch."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from proxnav.cluster.carried import Carried
 from proxnav.detection.sessions import Backend
+from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_in_image
 from proxnav.geometry.types import Box, GreyImage, Image, Points, Vector3
-from proxnav.images.size import check_size
+from proxnav.images.acceptance import as_image, checked_camera
 from proxnav.images.tones import grey_8_bit
 from proxnav.models.loading import Detect, DetectIn, Model, load_model
 from proxnav.pose.align import CLEARLY, AlignConfig, Alignment, Prior, align
@@ -58,9 +61,10 @@ class PoseEstimator:
         return _assembled(load_model(model, backend, threads))
 
     def __call__(
-        self, image: Image, camera: Camera, *, sun_cam: Vector3 | None = None, nadir_cam: Vector3 | None = None
+        self, image: Any, camera: Camera, *, sun_cam: Vector3 | None = None, nadir_cam: Vector3 | None = None
     ) -> PoseResult:
-        """Pose from one image (uint8 or uint16, grey or RGB) of the camera's size.
+        """Pose from one image of the camera's size: an array (uint8 or uint16, grey or RGB), or what can only mean one
+        (a path, a PIL image, a torch tensor, channels first, floats in [0, 1]).
 
         `sun_cam` and `nadir_cam`, directions to the Sun and to Earth's centre in camera axes, let the pose be refined
         and checked by the view that it predicts. `trust` of the result says what all evidence amounts to; a pose that
@@ -68,6 +72,16 @@ class PoseEstimator:
         """
         sky = None if sun_cam is None else Sky(sun_cam, nadir_cam)
         return self.keypoints_and_pose(image, camera, sky=sky)[1]
+
+    def batch(self, images: Sequence[Any], cameras: Camera | Sequence[Camera]) -> list[PoseResult]:
+        """Poses of several images, one after the other, each with its camera or all with one."""
+        if not isinstance(cameras, Camera):
+            cameras = list(cameras)
+            if len(cameras) != len(images):
+                raise InputError(f"{len(images)} images but {len(cameras)} cameras: give one for each, or one for all")
+        else:
+            cameras = [cameras] * len(images)
+        return [self(image, camera) for image, camera in zip(images, cameras, strict=True)]
 
     def keypoints_and_pose(
         self, image: Image, camera: Camera, box: Box | None = None, sky: Sky | None = None
@@ -99,8 +113,8 @@ class PoseEstimator:
         self, image: Image, camera: Camera, box: Box | None = None
     ) -> tuple[Keypoints, PoseResult, Evidence | None]:
         """Keypoints and pose before any verdict, with the evidence; None without a pose or where nothing is checked."""
-        check_size(image, camera)
-        grey = grey_8_bit(image)
+        camera = checked_camera(camera, image)
+        grey = grey_8_bit(as_image(image, camera))
         keypoints, of_keypoints, found = self._better_look(grey, camera, *self._from_keypoints(grey, camera, box))
         if found is not None and found.edge_share < self.alignment.least_edge_share:
             return keypoints, PoseResult.failure("no_consensus", len(of_keypoints.inliers)), None

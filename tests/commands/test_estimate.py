@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from proxnav.cli.main import main
+from proxnav.datasets.formats import read_pose_records
 from proxnav.datasets.formats.speed_poses import read_poses
 from proxnav.datasets.image_folders import find_images
 from proxnav.errors import InputError, InputNote
@@ -43,10 +44,57 @@ def test_a_damaged_picture_is_a_status_and_not_the_end(folder, capsys):
     assert "0 poses from 4 images" in capsys.readouterr().out
 
 
-def test_a_picture_of_another_size_is_named(folder, capsys):
+def test_pictures_of_other_sizes_are_left_out_and_named(folder, capsys):
     (folder / "large.png").write_bytes(encode_png(np.zeros((20, 20), np.uint8)))
-    assert main(["estimate", str(folder), "--out", str(folder / "poses.json")]) == 1
-    assert "large.png: the image is 20x20 px" in capsys.readouterr().err
+    assert main(["estimate", str(folder), "--out", str(folder / "poses.json")]) == 0
+    assert "large.png" not in read_poses(folder / "poses.json")
+    assert "1 images are not of the camera's size and are left out: large.png (20x20 px)" in capsys.readouterr().err
+
+
+def test_a_camera_of_another_size_than_every_picture_is_refused(folder, capsys):
+    camera = folder / "other.json"
+    camera.write_text(json.dumps(speed_json(Camera(32, 24, 20.0, 20.0, 16.0, 12.0))))
+    assert main(["estimate", str(folder), "--camera", str(camera), "--out", str(folder / "poses.json")]) == 1
+    assert "no image is of that size" in capsys.readouterr().err
+    assert not (folder / "poses.json").exists()
+
+
+@pytest.mark.parametrize("name", ["flight.avi", "flight.mp4", "FLIGHT.MOV"])
+def test_a_video_is_refused_with_what_to_do(name, folder, capsys):
+    (folder / "videos").mkdir()
+    (folder / "videos" / name).write_bytes(b"RIFF" + bytes(60))
+    for source in (folder / "videos" / name, folder / "videos"):
+        argv = ["estimate", str(source), "--camera", str(folder / "camera.json"), "--out", str(folder / "p.json")]
+        assert main(argv) == 1
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1
+        assert "ffmpeg" in error
+    assert not (folder / "p.json").exists()
+
+
+def test_a_corrupt_picture_alone_is_an_error(folder, capsys):
+    (folder / "bad").mkdir()
+    half = (folder / "grey.png").read_bytes()[:40]
+    for content, found in ((b"not an image", "no readable image"), (half, "none of 1 images can be decoded")):
+        (folder / "bad" / "one.png").write_bytes(content)
+        argv = ["estimate", str(folder / "bad" / "one.png"), "--camera", str(folder / "camera.json")]
+        assert main([*argv, "--out", str(folder / "p.json")]) == 1
+        assert found in capsys.readouterr().err
+        assert not (folder / "p.json").exists()
+
+
+def test_a_csv_is_written_where_the_name_says_so_and_read_back(folder, capsys):
+    assert main(["estimate", str(folder), "--out", str(folder / "one.csv")]) == 0
+    assert (folder / "one.csv").read_text().startswith("filename,status,tx_m,")
+    records = read_pose_records(folder / "one.csv")
+    assert {name: record.status for name, record in records.items()}["torn.png"] == "bad_image"
+    assert main(["estimate", str(folder), "--out", str(folder / "poses.xlsx")]) == 1
+    assert "written as .json or .csv" in capsys.readouterr().err
+
+
+def test_overlays_need_no_truth(folder):
+    assert main(["estimate", str(folder), "--out", str(folder / "p.json"), "--overlays", str(folder / "seen")]) == 0
+    assert sorted(path.name for path in (folder / "seen").iterdir()) == ["colour.png", "deep.png", "grey.png"]
 
 
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(folder, monkeypatch, capsys):

@@ -29,7 +29,10 @@ def main(argv: list[str] | None = None) -> int:
         print(f"proxnav {__version__}")
         return 0
     if argv[0] not in COMMANDS:
-        print(f"proxnav: unknown command '{argv[0]}'; one of {', '.join(COMMANDS)}", file=sys.stderr)
+        from proxnav.errors import did_you_mean
+
+        near = did_you_mean(argv[0], COMMANDS)
+        print(f"proxnav: unknown command '{argv[0]}'{near or '; one of ' + ', '.join(COMMANDS)}", file=sys.stderr)
         return 2
     return _run(argv[0], argv[1:])
 
@@ -98,7 +101,7 @@ def _notes_in_a_line(name: str) -> Iterator[None]:
 
 def _choose(name: str, argv: list[str]) -> int:
     """Exit status of the command, or of the one of its group that the next word names."""
-    from proxnav.errors import InputError
+    from proxnav.errors import InputError, did_you_mean
 
     entry = COMMANDS[name]
     if isinstance(entry, Command):
@@ -106,7 +109,8 @@ def _choose(name: str, argv: list[str]) -> int:
     if not argv or argv[0] in _HELP:
         print(_group_overview(name, entry))
     elif argv[0] not in entry.commands:
-        raise InputError(f"'{argv[0]}' is not one of {', '.join(entry.commands)}")
+        near = did_you_mean(argv[0], entry.commands)
+        raise InputError(f"'{argv[0]}' is not one of {', '.join(entry.commands)}{near}")
     else:
         return _call(entry.commands[argv[0]], f"{name} {argv[0]}", argv[1:])
     return 0

@@ -1,15 +1,19 @@
 """A command's options, read from the dataclass that it takes: tyro parses and explains it, completion lists it."""
 
+import sys
 from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass, make_dataclass
 from importlib import import_module
+from io import StringIO
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import tyro
 
 from proxnav.cli.commands import Command
 from proxnav.cli.options import WorkerOptions
+from proxnav.errors import did_you_mean
 
 _POSITIONAL = get_args(tyro.conf.Positional[int])[1]
 
@@ -36,10 +40,27 @@ def config_of(function: Callable[[Any], None]) -> type:
 
 def parsed(kind: type, words: list[str], name: str) -> Any:
     """The configuration that the words of a command line ask for; wrong usage exits with 2."""
-    config = tyro.cli(kind, args=words, prog=f"proxnav {name}")
+    said = StringIO()
+    try:
+        with redirect_stderr(said):
+            config = tyro.cli(kind, args=words, prog=f"proxnav {name}")
+    except SystemExit as stop:
+        if stop.code:
+            print(_misspelt(kind, words, name) or said.getvalue(), end="", file=sys.stderr)
+        raise
     if isinstance(config, WorkerOptions):
         config.check()
     return config
+
+
+def _misspelt(kind: type, words: list[str], name: str) -> str:
+    """A line for the first word that is no option but nearly one; empty where there is none."""
+    known = [flag for option in every_option(kind) for flag in option.flags]
+    for word in words:
+        flag = word.partition("=")[0].replace("_", "-")
+        if flag.startswith("--") and flag not in known and (near := did_you_mean(flag, known)):
+            return f"proxnav {name}: no option {flag}{near}\n"
+    return ""
 
 
 def folded(kind: type) -> type:

@@ -54,13 +54,14 @@ def run(config: ConvertConfig) -> None:
     from proxnav.datasets import conversion
     from proxnav.datasets.formats import ReadOptions, WriteOptions
     from proxnav.datasets.shards import is_sharded
-    from proxnav.errors import InputError
+    from proxnav.errors import InputError, did_you_mean
     from proxnav.geometry import Camera
     from proxnav.targets.named_points import target_or_points
     from proxnav.trajectories.conversion import FORMATS, convert_trajectory, is_trajectory
 
     if config.to not in (*FORMATS, *conversion.FORMATS):
-        raise InputError(f"--to {config.to}: expected one of {', '.join((*conversion.FORMATS, *FORMATS))}")
+        known = (*conversion.FORMATS, *FORMATS)
+        raise InputError(f"--to {config.to}: expected one of {', '.join(known)}{did_you_mean(config.to, known)}")
     if not config.source:
         raise InputError("no SOURCE; give a data set, a file of poses, or the files of a trajectory")
     source = config.source[0]

@@ -1,5 +1,6 @@
 """`proxnav estimate`: images or a data set to poses.json."""
 
+import warnings
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +19,9 @@ class EstimateConfig(ModelOptions, CameraOptions, WorkerOptions):
     input: Annotated[Path, tyro.conf.Positional]
     """A data set, a folder of images, or one image."""
     out: Path = Path("poses.json")
-    """File to write."""
+    """File to write, .json or .csv."""
+    overlays: Path | None = None
+    """Folder for pictures of the images with the keypoints and axes that were found; no truth is needed."""
     threads: int = 0
     """Threads of the network; 0 takes all cores."""
     sky: Path | None = None
@@ -30,25 +33,29 @@ class EstimateConfig(ModelOptions, CameraOptions, WorkerOptions):
 def run(config: EstimateConfig) -> None:
     """Finds the images, estimates, writes."""
     from proxnav.cli.progress import progress, say_when_compiling
-    from proxnav.datasets.formats.speed_poses import write_poses
-    from proxnav.datasets.image_folders import camera_beside, find_images
+    from proxnav.datasets.formats.pose_tables import check_pose_file, write_pose_file
+    from proxnav.datasets.image_folders import camera_beside, find_images, fitting_images
     from proxnav.datasets.set.dataset import Dataset
     from proxnav.datasets.skies import read_skies
-    from proxnav.errors import InputError
+    from proxnav.errors import InputError, InputNote
     from proxnav.estimation import estimate_images, note_other_target
     from proxnav.records.estimates import REASONS
-    from proxnav.storage.files import check_new_file
+    from proxnav.viewing.found_overlays import write_found_overlays
 
-    check_new_file(config.out)
+    check_pose_file(config.out)
     images, skies = find_images(config.input), {} if config.sky is None else read_skies(config.sky)
     if config.sky is not None and not any(path.name in skies for path in images):
         raise InputError(f"--sky {config.sky}: names none of the {len(images)} images; give their file names")
     if (config.input / "target.json").is_file():
         note_other_target(config.model, Dataset(config.input).target_name)
     camera = config.camera_or(lambda: camera_beside(config.input))
+    chosen = fitting_images(images, camera)
+    if chosen.other:
+        warnings.warn(chosen.note(), InputNote, stacklevel=2)
+    images = list(chosen.fitting)
     say_when_compiling("pose")
     with progress("estimate", len(images)) as done:
-        records, _ = estimate_images(
+        records, keypoints = estimate_images(
             images,
             camera,
             config.model,
@@ -60,7 +67,11 @@ def run(config: EstimateConfig) -> None:
             skies,
             config.checked_by,
         )
-    write_poses(config.out, records)
+    if all(record.status == "bad_image" for record in records):
+        raise InputError(f"{config.input}: none of {len(records)} images can be decoded, they are damaged")
+    write_pose_file(config.out, records)
+    if config.overlays is not None:
+        write_found_overlays(config.overlays, images, camera, records, keypoints)
     poses = sum(record.T_cam_target is not None for record in records)
     print(f"{poses} poses from {len(records)} images in {config.out}")
     refused = Counter(record.status for record in records if record.T_cam_target is None and record.trust is not None)

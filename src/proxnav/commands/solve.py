@@ -23,7 +23,7 @@ class SolveConfig(CalibrationOptions):
     target: str
     """Name of a target, its file, or a .mat, .json or .csv of 3-D points [m] in the order of the keypoints."""
     out: Path = Path("poses.json")
-    """File to write."""
+    """File to write, .json or .csv."""
     subset: str = ""
     """Named keypoints of the target that the file holds, such as `six`; all when empty."""
     pixel_origin: PixelOrigin = "corner"
@@ -34,14 +34,13 @@ class SolveConfig(CalibrationOptions):
 def run(config: SolveConfig) -> None:
     """Reads, solves, writes, and says how many images gave no pose."""
     from proxnav.cli.progress import progress
-    from proxnav.datasets.formats.speed_poses import write_poses
+    from proxnav.datasets.formats.pose_tables import check_pose_file, write_pose_file
     from proxnav.pose.solve.images import check_counts, solve_images
     from proxnav.pose.solve.keypoint_files import read_keypoints
     from proxnav.records.estimates import REASONS
-    from proxnav.storage.files import check_new_file
     from proxnav.targets.named_points import target_points
 
-    check_new_file(config.out)
+    check_pose_file(config.out)
     camera = config.camera_from(config.camera)
     points_m = target_points(config.target, config.subset)
     keypoints = read_keypoints(config.keypoints, config.pixel_origin)
@@ -49,7 +48,7 @@ def run(config: SolveConfig) -> None:
     check_counts(keypoints, points_m, config.keypoints, named)
     with progress("solve", len(keypoints)) as done:
         records = solve_images(keypoints, points_m, camera, config.pose, done)
-    write_poses(config.out, records)
+    write_pose_file(config.out, records)
     statuses = Counter(record.status for record in records)
     print(f"{statuses.pop('ok', 0)} poses from {len(records)} images in {config.out}")
     for status, count in statuses.most_common():

@@ -6,7 +6,7 @@ from pathlib import Path
 from proxnav.datasets.formats import READERS, WRITERS, Labels, ReadOptions, WriteOptions, read_labels, write_labels
 from proxnav.datasets.set.dataset import Dataset
 from proxnav.datasets.shards import unpack_shards, write_shards
-from proxnav.errors import InputError
+from proxnav.errors import InputError, did_you_mean
 
 FORMATS = (*WRITERS, "shards")
 _WITHOUT_IMAGES = ("poses", "spec2019", "spec2021", "bop-results")
@@ -17,7 +17,7 @@ def convert_labels(
 ) -> str:
     """Writes the labels of `source` into `out`; what was written and what the format could not hold, a line each."""
     if format not in ("auto", *READERS):
-        raise InputError(f"--from {format}: one of {', '.join(READERS)}")
+        raise InputError(f"--from {format}: one of {', '.join(READERS)}{did_you_mean(format, READERS)}")
     if not 0.0 <= write.validation_share < 1.0:
         raise InputError(f"--validation-share {write.validation_share}: expected a part of the set, 0 to below 1")
     labels = read_labels(source, format, read)

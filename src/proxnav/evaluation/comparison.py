@@ -64,7 +64,7 @@ def compare(
 ) -> Comparison:  # fmt: skip
     """Reads both and pairs them; the surface is `model`, else that of a BOP set that the truth is."""
     options = ReadOptions(camera=camera, object_id=object_id)
-    known, found = read_labels(truth, options=options), read_labels(estimates, options=options)
+    found, known = read_labels(estimates, options=options), read_labels(truth, options=options)
     frames = pair(_paired_names(known, found, truth, estimates), _records(known, found, truth))
     if model is None and known.format == "bop":
         model = bop_model(truth, object_id or 1)

@@ -7,7 +7,7 @@ from typing import Any
 
 import tomlkit
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, did_you_mean
 from proxnav.evaluation.run_folder import MISSION
 from proxnav.missions.cameras import camera_table, mission_camera
 from proxnav.missions.mission import Flight, Lighting, Looks, Mission, TrainingRanges, ViewRanges
@@ -39,7 +39,8 @@ def load_mission(name_or_path: str | Path) -> Mission:
     if str(name_or_path) in shipped_missions():
         path = SHIPPED / f"{name_or_path}.toml"
     elif not path.is_file():
-        raise InputError(f"no mission '{name_or_path}'; one of {', '.join(shipped_missions())}, or a TOML file")
+        near = did_you_mean(str(name_or_path), shipped_missions())
+        raise InputError(f"no mission '{name_or_path}'; one of {', '.join(shipped_missions())}, or a TOML file{near}")
     return parse_mission(_content(path), str(path))
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, did_you_mean
 from proxnav.missions.mission import Mission
 from proxnav.records import Trajectory
 from proxnav.trajectories import (
@@ -39,7 +39,9 @@ FLIGHTS: dict[str, Callable[[], Trajectory]] = {
 def fly(name: str) -> Trajectory:
     """The trajectory of that name; InputError lists the others."""
     if name not in FLIGHTS:
-        raise InputError(f"no trajectory '{name}'; one of {', '.join(FLIGHTS)}, or give a file")
+        raise InputError(
+            f"no trajectory '{name}'; one of {', '.join(FLIGHTS)}, or give a file{did_you_mean(name, FLIGHTS)}"
+        )
     return FLIGHTS[name]()
 
 

@@ -12,7 +12,7 @@ from proxnav.detection.heatmap.config import HeatmapSettings
 from proxnav.detection.heatmap.detector import HeatmapDetector
 from proxnav.detection.keypoint_rcnn.onnx_runtime import load_onnx
 from proxnav.detection.sessions import Backend, open_session
-from proxnav.errors import InputError
+from proxnav.errors import InputError, did_you_mean
 from proxnav.geometry.types import Box, Image
 from proxnav.missions import Mission, mission_in
 from proxnav.models.card import CARD, ModelCard, card_content, card_from
@@ -84,7 +84,7 @@ def _folder(name_or_path: str) -> Path:
             return folder
     raise InputError(
         f"no model '{name_or_path}': neither a shipped one ({', '.join(shipped_models()) or 'none'}) "
-        f"nor a folder with a {CARD}"
+        f"nor a folder with a {CARD}{did_you_mean(str(name_or_path), shipped_models())}"
     )
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, did_you_mean
 from proxnav.records import SensorSpec
 
 IDEAL = SensorSpec(bits=12)
@@ -92,7 +92,7 @@ def sensor_by_name(name: str) -> SensorSpec:
     32500.0
     """
     if name not in SENSORS:
-        raise InputError(f"no sensor '{name}', choose one of {', '.join(SENSORS)}")
+        raise InputError(f"no sensor '{name}', choose one of {', '.join(SENSORS)}{did_you_mean(name, SENSORS)}")
     return SENSORS[name]
 
 

@@ -3,7 +3,7 @@
 from functools import lru_cache
 from pathlib import Path
 
-from proxnav.errors import InputError
+from proxnav.errors import InputError, did_you_mean
 from proxnav.targets.cad.from_mesh import from_mesh
 from proxnav.targets.space_rider import space_rider
 from proxnav.targets.tango import tango
@@ -23,7 +23,9 @@ def load_target(name_or_path: str) -> Target:
     path = Path(name_or_path)
     path = path / "target.json" if path.is_dir() else path
     if not path.is_file():
-        raise InputError(f"no target '{name_or_path}'; expected {', '.join(GENERATED)}, a target.json or a mesh file")
+        near = did_you_mean(str(name_or_path), GENERATED)
+        names = ", ".join(GENERATED)
+        raise InputError(f"no target '{name_or_path}'; expected {names}, a target.json or a mesh file{near}")
     return _from_file(str(path.resolve()), path.stat().st_mtime_ns)
 
 

@@ -126,18 +126,25 @@ class NamedPose:
     filename: str
     part: str
     """Sequence, category or the like; empty without such a column."""
-    T_cam_target: Pose
+    T_cam_target: Pose | None
     where: str
     """The row, for messages."""
+    status: str = "ok"
+    """Why there is no pose."""
 
 
 def named_poses(rows: Sequence[Sequence[str]], asked: Order | None, usual: Order, path: Path) -> list[NamedPose]:
     """The rows below a header."""
     columns = pose_columns(rows[0], asked, usual, str(path))
+    reason = next((k for k, cell in enumerate(rows[0]) if cell.lower() == "status"), None)
     found = []
     for number, row in enumerate(rows[1:], 1):
         where = f"{path}, pose {number}"
         check_width(row, columns.width, where, ",".join(rows[0])[:160])
         part = "" if columns.part is None else row[columns.part]
-        found.append(NamedPose(checked_name(row[columns.filename], where), part, columns.pose(row, where), where))
+        name, status = checked_name(row[columns.filename], where), "ok" if reason is None else row[reason] or "ok"
+        if reason is not None and not any(row[k] for k in (*columns.position, *columns.quaternion)):
+            found.append(NamedPose(name, part, None, where, "no_pose" if status == "ok" else status))
+        else:
+            found.append(NamedPose(name, part, columns.pose(row, where), where, status))
     return found

@@ -59,4 +59,4 @@ def _by_place(row: list[str], where: str, options: ReadOptions) -> NamedPose:
 def _record(one: NamedPose, folder: Path) -> LabelRecord:
     sequence = checked_name(one.part, one.where) if one.part else ""
     image = existing(folder / sequence, one.filename) or existing(folder / "images" / sequence, one.filename)
-    return LabelRecord(one.filename, one.T_cam_target, split=sequence, image=image)
+    return LabelRecord(one.filename, one.T_cam_target, one.status, sequence, image=image)

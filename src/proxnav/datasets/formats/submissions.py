@@ -74,7 +74,7 @@ def _by_place(row: list[str], where: str, options: ReadOptions, categories: int)
 def _record(one: NamedPose, categories: int) -> LabelRecord:
     if categories and one.part not in _CATEGORIES:
         raise InputError(f"{one.where}: category {one.part[:40]!a} is none of {', '.join(_CATEGORIES)}")
-    return LabelRecord(one.filename, one.T_cam_target, split=one.part)
+    return LabelRecord(one.filename, one.T_cam_target, one.status, one.part)
 
 
 def _row(record: LabelRecord, format: str) -> list[object]:

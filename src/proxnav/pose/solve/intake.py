@@ -10,6 +10,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.compiled.lens import lens_numbers, undistort_pixels
 from proxnav.geometry.types import Flags
+from proxnav.images.acceptance import checked_camera
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.kernels.intake import admit
 
@@ -49,6 +50,13 @@ def correspondences(
     config: PoseConfig,
 ) -> Correspondences:
     """The usable ones of the given points; InputError where shapes do not fit."""
+    camera = checked_camera(camera)
+    if (
+        np.ndim(points_target_m) == np.ndim(points_px) == 2
+        and np.shape(points_target_m)[1] == 2
+        and np.shape(points_px)[1] == 3
+    ):
+        raise InputError("points and pixels are exchanged: call estimate_pose(points_target_m, points_px, camera)")
     points, pixels = _rows(points_target_m, "points_target_m", 3), _rows(points_px, "points_px", 2)
     n = len(points)
     if len(pixels) != n:

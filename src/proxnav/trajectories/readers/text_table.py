@@ -49,8 +49,7 @@ def read_csv(path: str | Path, columns: tuple[str, ...]) -> TextTable:
     names = columns or headers
     if not names:
         raise InputError(
-            f"{path}: no header; name the {len(filled[0][1])} columns with the option columns, for example "
-            "t, x, y, z, vx, vy, vz"
+            f"{path}: no header; name the {len(filled[0][1])} columns, for example --reader.columns t x y z vx vy vz"
         )
     body = [(k, cells) for k, cells in filled if not _is_header(cells)]
     if delimiter != ",":
