@@ -33,7 +33,7 @@ def find_images(source: Path) -> list[Path]:
 
 
 def _of_video(source: Path, found: str) -> str:
-    return f"{source}: {found}; take its frames out first, for example ffmpeg -i VIDEO frames/%06d.png"
+    return f"{source}: {found}; proxnav live VIDEO reads it, or take its frames out: ffmpeg -i VIDEO frames/%06d.png"
 
 
 @dataclass(frozen=True, slots=True)
