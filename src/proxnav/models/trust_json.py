@@ -4,13 +4,14 @@ from dataclasses import asdict
 from typing import Any
 
 from proxnav.pose.trust import TrustCalibration
-from proxnav.pose.trust.hazard import HazardModel, UsualDoubts
+from proxnav.pose.trust.evidence import Doubts
+from proxnav.pose.trust.hazard import HazardModel
 from proxnav.pose.trust.protection import ProtectionFactors
 
 
 def calibration_json(calibration: TrustCalibration) -> dict[str, Any]:
     """As JSON content."""
-    return asdict(calibration)
+    return asdict(calibration) | {"usual": calibration.usual._asdict()}
 
 
 def calibration_from(content: dict[str, Any]) -> TrustCalibration:
@@ -18,7 +19,7 @@ def calibration_from(content: dict[str, Any]) -> TrustCalibration:
     return TrustCalibration(
         told=HazardModel(**content["told"]),
         untold=HazardModel(**content["untold"]),
-        usual=UsualDoubts(**content["usual"]),
+        usual=Doubts(**content["usual"]),
         protection_told=_factors(content["protection_told"]),
         protection_untold=_factors(content["protection_untold"]),
         frames=int(content["frames"]),

@@ -6,7 +6,7 @@ import numpy as np
 
 from proxnav.pose.trust import TrustCalibration, TrustConfig
 from proxnav.pose.trust.evidence import doubt_rows
-from proxnav.pose.trust.hazard import HazardModel, UsualDoubts, fitted_hazard
+from proxnav.pose.trust.hazard import HazardModel, fitted_hazard, usual_doubts
 from proxnav.pose.trust.protection import ProtectionFactors, calibrated_protection
 from proxnav.pose.trust.verdict import verdict_of
 from proxnav.trials.conditions import teaches
@@ -31,7 +31,7 @@ def calibrated_trust(results: Sequence[TrialResult], config: TrustConfig) -> Tru
     with_sun = fitted_hazard(told_by, _hazards(seen), RISK_TOLD)
     without = fitted_hazard(untold_by, _hazards(poses), RISK_UNTOLD)
     return TrustCalibration(
-        told=with_sun, untold=without, usual=UsualDoubts.of(told_by[~_hazards(seen)]),
+        told=with_sun, untold=without, usual=usual_doubts(told_by[~_hazards(seen)]),
         protection_told=_protection(seen, with_sun, told_by), protection_untold=_protection(poses, without, untold_by),
         frames=len(poses),
     )  # fmt: skip

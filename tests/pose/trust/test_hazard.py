@@ -5,7 +5,7 @@ import pytest
 
 from proxnav.pose.trust import Evidence, Similarity
 from proxnav.pose.trust.evidence import Doubts, doubt_rows
-from proxnav.pose.trust.hazard import KEPT, HazardModel, UsualDoubts, fitted_hazard
+from proxnav.pose.trust.hazard import KEPT, HazardModel, fitted_hazard, usual_doubts
 
 TRUE = np.array([0.8, 0.5, 0.4, 0.0, 0.3, 2.5])
 
@@ -68,6 +68,6 @@ def test_evidence_becomes_doubts_that_grow_with_it() -> None:
 def test_the_strongest_doubt_is_the_one_that_stands_out() -> None:
     model = HazardModel(-5.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, limit=0.1, expected_risk=0.01)
     usual = Evidence(0.995, 0.8, 0.01, 0.003, 0.6, Similarity(0.9, 0.1))
-    medians = UsualDoubts.of(doubt_rows([usual]))
+    medians = usual_doubts(doubt_rows([usual]))
     for name, odd in (("view", usual.seen(Similarity(0.2, 0.1))), ("edges", Evidence(0.995, 0.0, 0.01, 0.003, 0.6))):
         assert model.strongest(odd, medians) == name

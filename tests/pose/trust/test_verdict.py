@@ -5,7 +5,7 @@ import pytest
 
 from proxnav.pose.trust import Evidence, Similarity, TrustCalibration, TrustConfig, judged, widened
 from proxnav.pose.trust.evidence import doubt_rows
-from proxnav.pose.trust.hazard import HazardModel, UsualDoubts
+from proxnav.pose.trust.hazard import HazardModel, usual_doubts
 from proxnav.pose.trust.protection import ProtectionFactors
 
 GOOD = Evidence(0.995, 0.75, 0.02, 0.004, 0.8, Similarity(0.88, 0.1))
@@ -15,7 +15,7 @@ LEVELS = ProtectionFactors(1e-3, (), ((4.0, 5.0, 6.0),), (1.5,))
 WIDER = ProtectionFactors(1e-3, (), ((8.0, 8.0, 8.0),), (4.0,))
 KNOWN = TrustConfig(
     range_m=(10.0, 100.0),
-    calibration=TrustCalibration(TOLD, UNTOLD, UsualDoubts.of(doubt_rows([GOOD])), LEVELS, WIDER, 100),
+    calibration=TrustCalibration(TOLD, UNTOLD, usual_doubts(doubt_rows([GOOD])), LEVELS, WIDER, 100),
 )
 COVARIANCE = np.diag([0.01, 0.01, 0.04, 1e-4, 1e-4, 1e-4])
 

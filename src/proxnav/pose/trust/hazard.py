@@ -1,6 +1,6 @@
 """Evidence to the probability of a hazardous pose: a logistic model of few parameters, fitted on drawn frames."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -48,32 +48,15 @@ class HazardModel:
         odds = np.clip(self.constant + doubts @ self.weights, -30.0, 30.0)
         return np.clip(1.0 / (1.0 + np.exp(-odds)), CERTAIN, 1.0 - CERTAIN)
 
-    def strongest(self, evidence: Evidence, usual: "UsualDoubts") -> str:
+    def strongest(self, evidence: Evidence, usual: Doubts) -> str:
         """The doubt that adds most to the odds beyond what a usual good pose has."""
-        beyond = self.weights * (np.array(evidence.doubts()) - usual.as_array)
+        beyond = self.weights * (np.array(evidence.doubts()) - np.array(usual))
         return Doubts._fields[int(np.argmax(beyond))]
 
 
-@dataclass(frozen=True, slots=True)
-class UsualDoubts:
+def usual_doubts(doubts: Float[np.ndarray, "n doubts=6"]) -> Doubts:
     """Medians of the doubts of good poses."""
-
-    scores: float
-    edges: float
-    turn: float
-    shift: float
-    residuals: float
-    view: float
-
-    @property
-    def as_array(self) -> Float[np.ndarray, "doubts=6"]:
-        """In the order of `Doubts`."""
-        return np.array(list(asdict(self).values()))
-
-    @staticmethod
-    def of(doubts: Float[np.ndarray, "n doubts=6"]) -> "UsualDoubts":
-        """The medians of the doubts of good poses."""
-        return UsualDoubts(*(round(float(value), 3) for value in np.median(doubts, axis=0)))
+    return Doubts(*(round(float(value), 3) for value in np.median(doubts, axis=0)))
 
 
 def fitted_hazard(doubts: Float[np.ndarray, "n doubts=6"], hazardous: Flags, risk: float) -> HazardModel:

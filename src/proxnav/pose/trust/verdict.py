@@ -6,8 +6,8 @@ from typing import Literal
 import numpy as np
 
 from proxnav.geometry.types import PoseCovariance
-from proxnav.pose.trust.evidence import Evidence
-from proxnav.pose.trust.hazard import HazardModel, UsualDoubts
+from proxnav.pose.trust.evidence import Doubts, Evidence
+from proxnav.pose.trust.hazard import HazardModel
 from proxnav.pose.trust.local_correlation import Similarity
 from proxnav.pose.trust.protection import ProtectionFactors
 from proxnav.records.estimates import PoseStatus, Trust, Verdict
@@ -28,7 +28,8 @@ class TrustCalibration:
     """Where the Sun is told and the predicted view can be compared."""
     untold: HazardModel
     """Where it cannot."""
-    usual: UsualDoubts
+    usual: Doubts
+    """Those of good poses."""
     protection_told: ProtectionFactors
     protection_untold: ProtectionFactors
     frames: int = 0
