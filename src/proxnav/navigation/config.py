@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from proxnav.errors import InputError
+from proxnav.navigation.mounting import Mounting
 from proxnav.records.error_model import KeypointErrorModel, PoseErrorModel
 from proxnav.records.navigation import Antennas
 from proxnav.records.scene import Triple
@@ -131,6 +132,8 @@ class NavigationConfig:
     noise: FilterNoise = field(default_factory=FilterNoise)
     geometry: CraftGeometry = field(default_factory=CraftGeometry)
     """Where things sit on both craft, and how far that is known."""
+    mounting: Mounting = field(default_factory=Mounting)
+    """How gyro, accelerometer and star tracker are turned against the camera, whose axes records have otherwise."""
     chaser_antenna_cam_m: Triple | None = None
     """Where the chaser's GNSS antenna sits, camera axes [m]; None: as records.json says."""
     target_antenna_target_m: Triple | None = None

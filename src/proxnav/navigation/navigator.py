@@ -20,6 +20,7 @@ from proxnav.navigation.measurements import Outcome, Verdict
 from proxnav.navigation.monitor.monitor import Finding, Monitor
 from proxnav.navigation.monitor.orbit_trial import OtherOrbit
 from proxnav.navigation.monitor.refusals import Refusals
+from proxnav.navigation.mounting import in_camera_axes
 from proxnav.navigation.propagate import predicted
 from proxnav.navigation.readings import ORDER, KeypointFrame, Reading, rank
 from proxnav.navigation.saved import SavedNavigator, read_navigator, setup_of_saved, write_navigator
@@ -124,6 +125,7 @@ class Navigator:
 
     def put(self, reading: Reading) -> "_Entry | Verdict":
         """Takes a reading without looking at it yet: it is applied, in its place, when the belief is next asked for."""
+        reading = in_camera_axes(reading, self._setup.config.mounting)
         self._monitor.take(reading)
         if isinstance(reading, KeypointFrame) and self._setup.config.coupling == "loose":
             return Verdict("unused")

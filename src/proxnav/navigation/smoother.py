@@ -16,6 +16,7 @@ from proxnav.navigation.filter_setup import FilterSetup
 from proxnav.navigation.kernels.error_state import corrected, relative_error
 from proxnav.navigation.layout import N_CORE, Covariance, StateVector
 from proxnav.navigation.measurements import lasting_of_keypoints, lasting_of_pose, noise_of_pose
+from proxnav.navigation.mounting import in_camera_axes
 from proxnav.navigation.propagate import Step, predicted
 from proxnav.navigation.readings import Acceleration, GyroReading, KeypointFrame, PoseFix, Reading, rank
 from proxnav.navigation.stream import readings
@@ -33,7 +34,8 @@ class _Node:
 
 def smooth(records: SensorRecords, setup: FilterSetup) -> list[NavState]:
     """Smoothed states at the instants of fixes and frames, since the filter's last start."""
-    nodes, last = _forward(readings(records, setup), setup)
+    mounting = setup.config.mounting
+    nodes, last = _forward([in_camera_axes(one, mounting) for one in readings(records, setup)], setup)
     if isinstance(last, Waiting):
         return []
     x, P, beliefs = last.x, last.P, [last]
