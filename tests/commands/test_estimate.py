@@ -92,9 +92,17 @@ def test_a_csv_is_written_where_the_name_says_so_and_read_back(folder, capsys):
     assert "written as .json or .csv" in capsys.readouterr().err
 
 
-def test_overlays_need_no_truth(folder):
-    assert main(["estimate", str(folder), "--out", str(folder / "p.json"), "--overlays", str(folder / "seen")]) == 0
-    assert sorted(path.name for path in (folder / "seen").iterdir()) == ["colour.png", "deep.png", "grey.png"]
+def test_a_run_without_truth_has_overlays_and_a_report(folder, capsys):
+    run = folder / "seen"
+    assert main(["estimate", str(folder), "--out", str(folder / "p.json"), "--run", str(run)]) == 0
+    assert sorted(path.name for path in (run / "overlays").iterdir()) == ["colour.png", "deep.png", "grey.png"]
+    assert main(["report", str(run)]) == 0
+    page = (run / "report.html").read_text()
+    assert page.count("<li><button") == 3
+    assert "torn.png</th><td>bad_image</td>" in page
+    (run / "truth.json").write_text("[]")
+    assert main(["estimate", str(folder), "--out", str(folder / "p.json"), "--run", str(run)]) == 1
+    assert "truth is known" in capsys.readouterr().err
 
 
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(folder, monkeypatch, capsys):

@@ -20,8 +20,8 @@ class EstimateConfig(ModelOptions, CameraOptions, WorkerOptions):
     """A data set, a folder of images, or one image."""
     out: Path = Path("poses.json")
     """File to write, .json or .csv."""
-    overlays: Path | None = None
-    """Folder for pictures of the images with the keypoints and axes that were found; no truth is needed."""
+    run: Path | None = None
+    """Folder for a run that needs no truth, with overlays: proxnav report and proxnav view show it."""
     threads: int = 0
     """Threads of the network; 0 takes all cores."""
     sky: Path | None = None
@@ -39,10 +39,13 @@ def run(config: EstimateConfig) -> None:
     from proxnav.datasets.skies import read_skies
     from proxnav.errors import InputError, InputNote
     from proxnav.estimation import estimate_images, note_other_target
+    from proxnav.models.loading import load_card
     from proxnav.records.estimates import REASONS
-    from proxnav.viewing.found_overlays import write_found_overlays
+    from proxnav.viewing.found_run import Found, check_found_run, write_found_run
 
     check_pose_file(config.out)
+    if config.run is not None:
+        check_found_run(config.run)
     images, skies = find_images(config.input), {} if config.sky is None else read_skies(config.sky)
     if config.sky is not None and not any(path.name in skies for path in images):
         raise InputError(f"--sky {config.sky}: names none of the {len(images)} images; give their file names")
@@ -56,22 +59,15 @@ def run(config: EstimateConfig) -> None:
     say_when_compiling("pose")
     with progress("estimate", len(images)) as done:
         records, keypoints = estimate_images(
-            images,
-            camera,
-            config.model,
-            config.backend,
-            config.threads,
-            config.workers,
-            config.on,
-            done,
-            skies,
+            images, camera, config.model, config.backend, config.threads, config.workers, config.on, done, skies,
             config.checked_by,
-        )
+        )  # fmt: skip
     if all(record.status == "bad_image" for record in records):
         raise InputError(f"{config.input}: none of {len(records)} images can be decoded, they are damaged")
     write_pose_file(config.out, records)
-    if config.overlays is not None:
-        write_found_overlays(config.overlays, images, camera, records, keypoints)
+    if config.run is not None:
+        card = load_card(config.model)
+        write_found_run(config.run, Found(images, camera, records, keypoints, card.keypoints_m, card.target), config)
     poses = sum(record.T_cam_target is not None for record in records)
     print(f"{poses} poses from {len(records)} images in {config.out}")
     refused = Counter(record.status for record in records if record.T_cam_target is None and record.trust is not None)

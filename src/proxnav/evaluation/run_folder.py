@@ -1,6 +1,6 @@
 """A run folder, its description and reader.
 
-poses.json    estimates               metrics.json   headline numbers
+poses.json    estimates               metrics.json   headline numbers; neither it nor truth.json where no truth is known
 truth.json    true poses              overlays/      <best|median|worst>-NNNN.png, NNNN = place from best to worst
 mission.toml  optional, the mission that it belongs to
 config.json   optional, what was asked for and with which versions
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from proxnav.datasets.formats.speed_poses import read_poses
+from proxnav.datasets.formats.speed_poses import PoseRecord, read_poses
 from proxnav.errors import InputError
 from proxnav.evaluation import run_frames, solution_files
 from proxnav.evaluation.pairing import PairedFrame, pair
@@ -54,6 +54,8 @@ class Run:
     """What each frame was, by file name; empty where the run does not say."""
     solution: Solution | None = None
     """Navigation solution, if the run has one."""
+    found: tuple[PoseRecord, ...] = ()
+    """Poses of a run whose truth nobody knows, in place of `frames`."""
 
 
 def read_run(folder: Path) -> Run:
@@ -63,6 +65,9 @@ def read_run(folder: Path) -> Run:
     solution = read_solution(folder) if (folder / SOLUTION).is_file() else None
     if solution is not None and not (folder / POSES).is_file():
         return Run((), {}, (), configuration, solution=solution)
+    if (folder / POSES).is_file() and not (folder / TRUTH).exists() and not (folder / METRICS).exists():
+        found = tuple(read_poses(folder / POSES).values())
+        return Run((), {}, _pictures_found(folder / OVERLAYS), configuration, solution=solution, found=found)
     metrics = read_json(folder / METRICS, "the headline numbers of a run")
     if not isinstance(metrics, dict):
         raise InputError(f"{folder / METRICS}: expected one object of numbers; run proxnav evaluate again")
@@ -96,6 +101,11 @@ def telling(order: Sequence[int], each: int) -> list[tuple[str, int]]:
         for kind, (start, count) in places.items()
         for place in range(start, start + count)
     ]
+
+
+def _pictures_found(folder: Path) -> tuple[Picture, ...]:
+    """Overlays of a run without truth, by name."""
+    return tuple(Picture(path, "found", place) for place, path in enumerate(sorted(folder.glob("*.png"))))
 
 
 def _pictures(folder: Path) -> tuple[Picture, ...]:

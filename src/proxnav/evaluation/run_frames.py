@@ -137,7 +137,7 @@ def _dataset(folder: Path, name: Any) -> Path | None:
     if name is None:
         return None
     path = Path(str(name)) if Path(str(name)).is_absolute() else inside(folder, str(name))
-    return path if (path / "annotations.json").is_file() else None
+    return path if (path / "annotations.json").is_file() or (path / "images").is_dir() else None
 
 
 def _entry(frame: FrameNote) -> dict[str, Any]:

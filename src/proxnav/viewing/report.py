@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from proxnav.datasets.formats.speed_poses import PoseRecord
 from proxnav.evaluation.error_tables import HEADLINE, STUDY
 from proxnav.evaluation.pairing import PairedFrame, from_best_to_worst
 from proxnav.evaluation.run_folder import Picture, Run, read_run
@@ -57,6 +59,7 @@ def report_html(folder: Path, title: str) -> str:
         statuses=sorted({frame.status for frame in run.frames}),
         gallery=list(_gallery(run)),
         hidden=max(0, len(run.pictures) - _PICTURES),
+        found=[_found_cells(record) for record in run.found],
         config=list(flattened(run.config)),
     )
 
@@ -110,14 +113,27 @@ def _frame_cells(frame: PairedFrame, run: Run) -> dict[str, Any]:
     return {"name": frame.filename, "status": frame.status, "numbers": [number(value) for value in numbers]}
 
 
+def _found_cells(record: PoseRecord) -> dict[str, str]:
+    """Texts of one row of a run without truth."""
+    T, P = record.T_cam_target, record.covariance
+    sigma = None if P is None else np.sqrt(np.diagonal(P))
+    return {
+        "name": record.filename,
+        "status": record.status,
+        "range": number(None if T is None else float(np.linalg.norm(T.t_m))),
+        "sigma_m": number(None if sigma is None else float(np.linalg.norm(sigma[:3]))),
+        "sigma_deg": number(None if sigma is None else math.degrees(float(np.linalg.norm(sigma[3:])))),
+    }
+
+
 def _gallery(run: Run) -> Iterator[dict[str, str]]:
     order = [run.frames[k] for k in from_best_to_worst(run.frames)]
     budget = _PICTURE_BYTES // max(1, min(_PICTURES, len(run.pictures)))
     for picture in run.pictures[:_PICTURES]:
         yield {
             "source": "data:image/jpeg;base64," + base64.b64encode(_jpeg(picture.path, budget)).decode(),
-            "place": f"{picture.place + 1} of {len(order)}",
-            "text": _picture_text(picture, order),
+            "place": f"{picture.place + 1} of {len(order) or len(run.pictures)}",
+            "text": picture.path.stem if run.found else _picture_text(picture, order),
         }
 
 

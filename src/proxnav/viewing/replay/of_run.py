@@ -47,7 +47,8 @@ def read_replay(folder: Path, target: str | None = None, every: int = 1) -> Repl
 
 
 def _of_images(folder: Path, run: RunFrames, target: str | None) -> Replay:
-    estimates, truth = read_poses(folder / POSES), read_poses(folder / TRUTH)
+    estimates = read_poses(folder / POSES)
+    truth = read_poses(folder / TRUTH) if (folder / TRUTH).is_file() else {}
     images = None if run.dataset is None else run.dataset / "images"
     steps = [_image_step(note, estimates.get(note.filename), truth.get(note.filename), images) for note in run.frames]
     mesh = _mesh(target or run.target)
