@@ -96,6 +96,12 @@ def test_a_header_that_lacks_or_contradicts_is_one_sentence(text: str, found: st
     assert "\n" not in str(error.value)
 
 
+def test_a_pose_bowl_table_without_its_header_is_no_spark_table(tmp_path: Path) -> None:
+    for format in ("auto", "spark"):
+        with pytest.raises(InputError, match=r"file name of an image, found 'a0a'|none of spec2019"):
+            read(tmp_path, "a0a,0,0,0,0,1,0,0,0\na0a,1,1,2,3,0.8,0.6,0,0\n", format)
+
+
 def test_an_option_that_contradicts_the_header_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"names qw, qx, qy, qz; --quaternion-order xyzw contradicts it"):
         read(tmp_path, values(HEADERS[1]), quaternion_order="xyzw")

@@ -12,11 +12,12 @@ import numpy as np
 from proxnav.datasets.formats.attitude import pose
 from proxnav.datasets.formats.labels import LabelRecord, Labels, need_pose
 from proxnav.datasets.formats.named_columns import NamedPose, is_header, named_poses
-from proxnav.datasets.formats.names import checked_name
+from proxnav.datasets.formats.names import checked_name, is_name
 from proxnav.datasets.formats.options import ReadOptions, WriteOptions
 from proxnav.datasets.formats.places import camera_above, existing, place, write_camera
 from proxnav.datasets.formats.pose_bowl import refuse_pose_bowl
 from proxnav.datasets.formats.row_numbers import check_width, numbers
+from proxnav.errors import InputError
 from proxnav.geometry import quaternion
 from proxnav.storage.tables import read_rows, write_rows
 
@@ -51,6 +52,8 @@ def write(labels: Labels, folder: Path, options: WriteOptions) -> None:
 
 def _by_place(row: list[str], where: str, options: ReadOptions) -> NamedPose:
     check_width(row, len(COLUMNS), where, ",".join(COLUMNS))
+    if not is_name(row[0]):
+        raise InputError(f"{where}: expected the file name of an image, found {row[0][:40]!a}; is this another table?")
     values = numbers(row[2:], where)
     T = pose(values[3:], values[:3], options.quaternion_order or "xyzw", where)
     return NamedPose(checked_name(row[0], where), row[1], T, where)
