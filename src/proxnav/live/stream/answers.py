@@ -33,7 +33,7 @@ class Tally:
     """How often the source went away."""
     returns: int = 0
     latencies_s: deque[float] = field(default_factory=lambda: deque(maxlen=10_000))
-    """Of the last answers."""
+    """Latencies of the last answers [s]."""
 
     def answered(self, answer: Answer) -> None:
         """Counts an answer."""
