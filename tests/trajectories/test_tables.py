@@ -95,7 +95,7 @@ def test_named_scalars_need_no_order(tmp_path, header):
 
 def test_a_file_without_header_is_named_by_the_user(tmp_path):
     text = "0,7000,0,0\n60,7000,450,0\n"
-    with pytest.raises(InputError, match=r"no header; name the 4 columns with the option columns"):
+    with pytest.raises(InputError, match=r"no header; name the 4 columns, for example --reader.columns"):
         read(tmp_path, text)
     (orbit,) = read(tmp_path, text, ("t", "x", "y", "z"), position_unit="km", frame="J2000")
     assert orbit.segments[0].values[1, 1] == 450e3
