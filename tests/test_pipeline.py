@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from proxnav import pipeline
@@ -23,14 +24,19 @@ class Options:
 def test_a_flown_mission_ends_in_a_report_and_runs_again_to_the_same_numbers(tmp_path: Path) -> None:
     mission = load_mission("spiral-10-100m")
     mission = replace(mission, camera=mission.camera.resized(512, 512))
-    judgement = pipeline.run(mission, 4, 3, RAYCAST, "space-rider-fast", tmp_path, Options())
+    outcome = pipeline.run(mission, 4, 3, RAYCAST, "space-rider-fast", tmp_path, Options())
+    judgement = outcome.judgement
     assert judgement.summary.poses >= 3
     run = read_run(tmp_path)
     assert len(run.frames) == 4
+    assert outcome.solution is not None
+    assert (outcome.solution.starts, outcome.solution.doubts) == (1, ())
+    assert run.solution is not None
+    assert np.nanmedian(np.linalg.norm(run.solution.errors[:, :3], axis=1)) < 1.0  # m, at 20 to 70 m
     assert run.config["options"] == {"seed": 3}
     assert (tmp_path / "report.html").stat().st_size > 10_000
     again = pipeline.run(mission, 4, 3, RAYCAST, "space-rider-fast", tmp_path, Options())
-    assert again.metrics() == judgement.metrics()
+    assert again.judgement.metrics() == judgement.metrics()
 
 
 def test_a_mission_without_a_trajectory_is_refused(tmp_path: Path) -> None:

@@ -75,7 +75,7 @@ def closed_loop(
     setup, k = setup_of(records, estimator.points_target_m, camera, navigation), frame_times(truth, config)
     draw = FrameJob(estimator.target, FrameConfig("raycast"))()
     navigator, stream = Navigator(setup, float(truth.t[0])), readings(records, setup)
-    flight, look = _flight(truth, k), SceneConfig(sensor=SPEED_CLASS, sequence="closed loop")
+    flight, look = flown(truth, k), SceneConfig(sensor=SPEED_CLASS, sequence="closed loop")
     seen_by = camera.erring(np.random.default_rng(config.seed).normal(size=N_CALIBRATION))
     waiting: list[Reading] = []
     found: list[_Found] = []
@@ -119,8 +119,8 @@ def _read(
     )
 
 
-def _flight(truth: Truth, k: Int[np.ndarray, "n_frames"]) -> Trajectory:
-    """The truth at the frames, with the Sun."""
+def flown(truth: Truth, k: Int[np.ndarray, "n_frames"]) -> Trajectory:
+    """The truth at instants `k`, with the Sun: what scenes are made along."""
     return assemble(
         truth.epoch_utc, truth.t[k], (truth.r_eci_target_m[k], truth.v_eci_target_mps[k]),
         (truth.r_eci_chaser_m[k], truth.v_eci_chaser_mps[k]), q_eci_target=truth.q_eci_target[k],

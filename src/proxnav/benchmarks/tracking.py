@@ -25,7 +25,6 @@ from proxnav.targets.loading import load_target
 
 WITHIN_SHARE, WITHIN_RAD = 0.02, float(np.deg2rad(2.0))
 """Errors of place over range and of attitude up to which a frame counts as tracked."""
-MOTIONS: tuple[Motion, ...] = ("spiral", "tumble")
 _FOV_PX = 1407.0 / 1024.0
 """Focal length of the navigation camera over its width."""
 _PLACE_PER_DEG = np.array([0.001, 0.001, 0.004])

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from proxnav.benchmarks.tracking_flights import Motion
 from proxnav.cli.options import ResultOptions
 
 
@@ -12,6 +13,8 @@ class TrackBenchmarkConfig(ResultOptions):
 
     targets: tuple[str, ...] = ("space-rider",)
     """Names or files of targets; each is seen from ranges in proportion to its size."""
+    motions: tuple[Motion, ...] = ("spiral", "tumble")
+    """Which sequences."""
     frames: int = 150
     """Frames of each sequence: 3 deg a frame in the tumble, 10 s a frame in the spiral at 150."""
     size: int = 384
@@ -31,11 +34,11 @@ class TrackBenchmarkConfig(ResultOptions):
 
 def run(config: TrackBenchmarkConfig) -> None:
     """Measures and gives the table."""
-    from proxnav.benchmarks.tracking import MOTIONS, TrackPlan, measure_tracking, table
+    from proxnav.benchmarks.tracking import TrackPlan, measure_tracking, table
     from proxnav.cli.progress import progress
 
     plan = TrackPlan(
         config.frames, config.size, config.every, config.start_errors_deg, config.starts, config.start_frames,
         config.seed,
     )  # fmt: skip
-    config.give(measure_tracking(config.targets, MOTIONS, plan, config.images, progress), "tracking", table)
+    config.give(measure_tracking(config.targets, config.motions, plan, config.images, progress), "tracking", table)

@@ -1,4 +1,4 @@
-"""`proxnav demo`: the whole chain, small: fly a stretch of the spiral, render it, estimate, compare, report."""
+"""`proxnav demo`: the whole chain, small: fly a stretch of the spiral, render, estimate, compare, fuse, report."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +11,10 @@ from proxnav.rendering.config import Renderer
 
 @dataclass(frozen=True)
 class DemoConfig:
-    """Renders a stretch of the spiral with shipped weights in the loop and writes a report one can look at."""
+    """Flies a lit stretch of the spiral, renders it, estimates poses with shipped weights, fuses them, writes a report.
+
+    The filter has GNSS, gyro and star tracker besides the poses.
+    """
 
     out: Path = Path("out/demo")
     """Folder of the run."""
@@ -35,7 +38,9 @@ def run(config: DemoConfig) -> None:
     from proxnav.rendering.config import FrameConfig
 
     mission, rendering = load_mission(config.mission), FrameConfig(config.renderer, config.samples)
-    say_when_compiling("rendering", "pose")
-    judgement = pipeline.run(mission, config.frames, config.seed, rendering, config.model, config.out, config, progress)
-    print(judgement.text())
+    say_when_compiling("rendering", "pose", "navigation")
+    done = pipeline.run(mission, config.frames, config.seed, rendering, config.model, config.out, config, progress)
+    print(done.judgement.text())
+    if done.solution is not None:
+        print(f"\nfilter: {done.solution.text(config.out)}")
     print(f"\nlook at {config.out / 'report.html'} and {config.out / 'overlays'}")

@@ -14,8 +14,8 @@ from proxnav.tracking import TrackStart
 class TrackConfig(TrackStart, CameraOptions):
     """Follows a target through images in the order of time by laying its mesh onto their edges, and writes poses.json.
 
-    It needs the mesh and one pose to begin with (--start, --first-pose or --model), good to 5 deg and 3 % of the range;
-    more is mended where --start-sigma-deg says so. Where the edges contradict there is no pose, but the status `lost`.
+    It needs the mesh and one pose to begin with (--start, --first-pose or --model), good to a few degrees and 2 % of
+    the range; more is often mended where --start-sigma-deg says so. Where the edges contradict the status is `lost`.
     """
 
     input: Annotated[Path, tyro.conf.Positional]
