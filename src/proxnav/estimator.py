@@ -13,12 +13,13 @@ from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_in_image
 from proxnav.geometry.types import Box, GreyImage, Image, Points, Vector3
 from proxnav.images.acceptance import as_image, checked_camera
+from proxnav.images.line_offsets import without_line_offsets
 from proxnav.images.tones import grey_8_bit
 from proxnav.models.loading import Detect, DetectIn, Model, load_model
 from proxnav.pose.align import CLEARLY, AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
 from proxnav.pose.solve.estimate import estimate_pose
-from proxnav.pose.trust import CheckedBy, Evidence, TrustConfig, judged, verdict_of, widened
+from proxnav.pose.trust import CheckedBy, Evidence, TrustConfig, judged, saturated_share, verdict_of
 from proxnav.records import Keypoints, PoseResult, Sky
 from proxnav.targets import Target
 
@@ -104,17 +105,17 @@ class PoseEstimator:
         if evidence.view is None and self.trust.calibration is None and self.trust.range_m is None:
             return result
         range_m = float(np.linalg.norm(result.T_cam_target.t_m))
-        status, trust = judged(evidence, range_m, result.covariance, self.trust)
+        status, trust, honest = judged(evidence, range_m, result.covariance, self.trust)
         if status != "ok":
             return replace(PoseResult.failure(status, len(result.inliers)), trust=trust, p_value=result.p_value)
-        return replace(result, trust=trust, covariance=widened(result.covariance, trust, self.trust))
+        return replace(result, trust=trust, covariance=honest)
 
     def unjudged(
         self, image: Image, camera: Camera, box: Box | None = None
     ) -> tuple[Keypoints, PoseResult, Evidence | None]:
         """Keypoints and pose before any verdict, with the evidence; None without a pose or where nothing is checked."""
         camera = checked_camera(camera, image)
-        grey = grey_8_bit(as_image(image, camera))
+        grey = _read(image, camera)
         keypoints, of_keypoints, found = self._better_look(grey, camera, *self._from_keypoints(grey, camera, box))
         if found is not None and found.edge_share < self.alignment.least_edge_share:
             return keypoints, PoseResult.failure("no_consensus", len(of_keypoints.inliers)), None
@@ -126,9 +127,9 @@ class PoseEstimator:
             return keypoints, result, None
         edges, aligned = (0.0, None) if found is None else (found.edge_share, found.T_cam_target)
         scores = keypoints.lower_quartile_score
-        return keypoints, result, Evidence.of(
-            scores, of_keypoints.p_value, of_keypoints.T_cam_target, aligned, edges
-        )  # fmt: skip
+        posed = of_keypoints.T_cam_target
+        white = saturated_share(grey, camera, aligned or posed, self.points_target_m)
+        return keypoints, result, Evidence.of(scores, of_keypoints.p_value, posed, aligned, edges, white)
 
     def compared(
         self, image: Image, camera: Camera, result: PoseResult, evidence: Evidence, sky: Sky
@@ -143,7 +144,7 @@ class PoseEstimator:
 
         shared = result.calibration_moves @ result.calibration_moves.T  # errors of the camera stay what they are
         verifier, own = verifier_of(self.shape), result.covariance - shared
-        found = verifier.checked(grey_8_bit(image), camera, result.T_cam_target, own, sky)
+        found = verifier.checked(_read(image, camera), camera, result.T_cam_target, own, sky)
         if found is None:
             return result, evidence
         if verdict_of(found.similarity, self.trust) != "not_verifiable":
@@ -152,7 +153,7 @@ class PoseEstimator:
 
     def alignment_of(self, image: Image, camera: Camera) -> Alignment | None:
         """How the pose of an image was laid onto it; None where there is no pose or it stayed that of the keypoints."""
-        grey = grey_8_bit(image)
+        grey = _read(image, camera)
         return self._better_look(grey, camera, *self._from_keypoints(grey, camera, None))[2]
 
     def solve(self, keypoints: Keypoints, camera: Camera) -> PoseResult:
@@ -207,6 +208,10 @@ class PoseEstimator:
             return None
         prior = Prior.of_result(result, 1.0 - keypoints.median_score)
         return align(grey, camera, self.shape, prior, self.alignment)
+
+
+def _read(image: Image, camera: Camera) -> GreyImage:
+    return without_line_offsets(grey_8_bit(as_image(image, camera)))
 
 
 def consensus_for(n_keypoints: int) -> PoseConfig:

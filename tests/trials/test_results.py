@@ -42,7 +42,7 @@ def test_trials_calibrate_a_verdict_that_tells_other_trials_apart() -> None:
     assert trust.frames == 180
     config = TrustConfig(calibration=trust)
     for one in many_made(60, 20, seed=5):
-        status, found = judged(one.evidence, 50.0, one.covariance, config)
+        status, found, _ = judged(one.evidence, 50.0, one.covariance, config)
         if status == "ok":
             assert not one.is_hazardous
             assert (np.abs(one.errors) < [*found.protection_m, *found.protection_rad]).all()

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from proxnav.evaluation.consistency import THREE_SIGMA_NEES
-from proxnav.pose.trust import TrustConfig, judged, widened
+from proxnav.pose.trust import TrustConfig, judged
 from proxnav.records.estimates import Trust
 from proxnav.trials.results import TrialResult, with_pose
 
@@ -41,9 +41,9 @@ def judge_trials(results: Sequence[TrialResult], config: TrustConfig, light: Lig
     for trial in with_pose(results):
         one = trial.told() if light == "told" else trial.untold()
         assert one.evidence is not None and one.T_cam_target is not None and one.covariance is not None  # noqa: PT018
-        status, trust = judged(one.evidence, float(np.linalg.norm(one.T_cam_target.t_m)), one.covariance, config)
-        honest = replace(one, covariance=widened(one.covariance, trust, config))
-        found.append(JudgedTrial(honest, status, trust))
+        range_m = float(np.linalg.norm(one.T_cam_target.t_m))
+        status, trust, honest = judged(one.evidence, range_m, one.covariance, config)
+        found.append(JudgedTrial(replace(one, covariance=honest), status, trust))
     return found
 
 

@@ -36,5 +36,6 @@ def run(config: TrainTrustConfig) -> None:
     card = calibrate_trust(config.model, mission, config.frames, config.workers, config.on, config.out, progress)
     if card.trust is None:
         raise InputError(f"{config.frames} frames a condition gave too few good or hazardous poses: draw more --frames")
+    told, untold = card.trust.told.hazard.limit, card.trust.untold.hazard.limit
     print(f"{config.model}: trust calibrated on {card.trust.frames} poses; poses are refused above a probability of "
-          f"{card.trust.told.limit:.4f} (Sun told) and {card.trust.untold.limit:.4f} (no Sun)")  # fmt: skip
+          f"{told:.4f} (Sun told) and {untold:.4f} (no Sun)")  # fmt: skip

@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float
 
 from proxnav.pose.trust import TrustCalibration, TrustConfig
-from proxnav.pose.trust.evidence import doubt_rows
-from proxnav.pose.trust.hazard import HazardModel, fitted_hazard, usual_doubts
-from proxnav.pose.trust.protection import ProtectionFactors, calibrated_protection
-from proxnav.pose.trust.verdict import verdict_of
+from proxnav.pose.trust.evidence import Doubts, doubt_rows
+from proxnav.pose.trust.hazard import fitted_hazard, usual_doubts
+from proxnav.pose.trust.protection import calibrated_protection
+from proxnav.pose.trust.verdict import TrustModel, verdict_of
+from proxnav.pose.trust.widening import fitted_widening
 from proxnav.trials.conditions import teaches
 from proxnav.trials.results import TrialResult, with_pose
 
@@ -26,15 +28,25 @@ def calibrated_trust(results: Sequence[TrialResult], config: TrustConfig) -> Tru
     wrong = int(_hazards(seen).sum())
     if wrong < _FEWEST_WRONG or len(seen) - wrong < _FEWEST_GOOD:
         return None
-    told_by = doubt_rows([one.evidence for one in seen if one.evidence is not None])
-    untold_by = doubt_rows([one.evidence for one in poses if one.evidence is not None])
-    with_sun = fitted_hazard(told_by, _hazards(seen), RISK_TOLD)
-    without = fitted_hazard(untold_by, _hazards(poses), RISK_UNTOLD)
-    return TrustCalibration(
-        told=with_sun, untold=without, usual=usual_doubts(told_by[~_hazards(seen)]),
-        protection_told=_protection(seen, with_sun, told_by), protection_untold=_protection(poses, without, untold_by),
-        frames=len(poses),
-    )  # fmt: skip
+    usual = usual_doubts(_doubts(seen)[~_hazards(seen)])
+    told, untold = _model(seen, RISK_TOLD, usual), _model(poses, RISK_UNTOLD, usual)
+    return TrustCalibration(told, untold, usual, len(poses))
+
+
+def _model(poses: Sequence[TrialResult], risk: float, usual: Doubts) -> TrustModel:
+    """Covariances and levels are those of the poses that are accepted and show the target."""
+    doubts = _doubts(poses)
+    hazard = fitted_hazard(doubts, _hazards(poses), risk)
+    probable = hazard.probabilities(doubts)
+    kept = [k for k, one in enumerate(poses) if one.has_truth and probable[k] <= hazard.limit]
+    widening = fitted_widening(doubts[kept], np.array([poses[k].nees for k in kept]), usual)
+    honest = np.array([poses[k].covariance for k in kept]) * widening.factors(doubts[kept])[:, None, None]
+    errors = np.array([poses[k].errors for k in kept])
+    return TrustModel(hazard, widening, calibrated_protection(errors, honest, probable[kept], PROTECTION_RISK))
+
+
+def _doubts(poses: Sequence[TrialResult]) -> Float[np.ndarray, "n doubts=7"]:
+    return doubt_rows([one.evidence for one in poses if one.evidence is not None])
 
 
 def _is_compared(one: TrialResult, config: TrustConfig) -> bool:
@@ -43,12 +55,3 @@ def _is_compared(one: TrialResult, config: TrustConfig) -> bool:
 
 def _hazards(poses: Sequence[TrialResult]) -> np.ndarray:
     return np.array([one.is_hazardous for one in poses], dtype=bool)
-
-
-def _protection(poses: Sequence[TrialResult], model: HazardModel, doubts: np.ndarray) -> ProtectionFactors:
-    """Factors from the poses that the model accepts and that show the target."""
-    hazards = model.probabilities(doubts)
-    kept = [k for k, one in enumerate(poses) if one.has_truth and hazards[k] <= model.limit]
-    errors = np.array([poses[k].errors for k in kept])
-    covariances = np.array([poses[k].covariance for k in kept])
-    return calibrated_protection(errors, covariances, hazards[kept], PROTECTION_RISK)

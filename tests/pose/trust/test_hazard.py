@@ -7,7 +7,7 @@ from proxnav.pose.trust import Evidence, Similarity
 from proxnav.pose.trust.evidence import Doubts, doubt_rows
 from proxnav.pose.trust.hazard import KEPT, HazardModel, fitted_hazard, usual_doubts
 
-TRUE = np.array([0.8, 0.5, 0.4, 0.0, 0.3, 2.5])
+TRUE = np.array([0.8, 0.5, 0.4, 0.0, 0.3, 2.5, 0.2])
 
 
 def drawn(n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +46,7 @@ def test_doubt_never_helps_even_where_the_frames_say_so() -> None:
 def test_few_frames_keep_what_was_expected_and_say_the_risk_that_they_carry() -> None:
     doubts, wrong = drawn(60, 4)
     model = fitted_hazard(doubts, wrong, 1e-3)
-    assert model.weights[-1] > 1.5
+    assert model.view > 1.5
     kept = model.probabilities(doubts) <= model.limit
     assert kept[~wrong].mean() >= KEPT - 0.02
     assert model.expected_risk == pytest.approx(model.probabilities(doubts)[kept].mean(), abs=1e-5)
@@ -54,19 +54,19 @@ def test_few_frames_keep_what_was_expected_and_say_the_risk_that_they_carry() ->
 
 def test_evidence_that_is_the_same_everywhere_has_no_weight() -> None:
     doubts, wrong = drawn(300, 5)
-    doubts[:, -1] = 0.0
+    doubts[:, Doubts._fields.index("view")] = 0.0
     assert fitted_hazard(doubts, wrong, 1e-3).view == 0.0
 
 
 def test_evidence_becomes_doubts_that_grow_with_it() -> None:
     good = Evidence(0.995, 0.8, 0.01, 0.003, 0.6, Similarity(0.9, 0.1))
-    worse = Evidence(0.9, 0.4, 0.2, 0.05, 1e-6, Similarity(0.4, 0.1))
+    worse = Evidence(0.9, 0.4, 0.2, 0.05, 1e-6, Similarity(0.4, 0.1), 0.5)
     assert (np.array(worse.doubts()) > np.array(good.doubts())).all()
-    assert doubt_rows([]).shape == (0, 6)
+    assert doubt_rows([]).shape == (0, 7)
 
 
 def test_the_strongest_doubt_is_the_one_that_stands_out() -> None:
-    model = HazardModel(-5.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, limit=0.1, expected_risk=0.01)
+    model = HazardModel(-5.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 0.1, limit=0.1, expected_risk=0.01)
     usual = Evidence(0.995, 0.8, 0.01, 0.003, 0.6, Similarity(0.9, 0.1))
     medians = usual_doubts(doubt_rows([usual]))
     for name, odd in (("view", usual.seen(Similarity(0.2, 0.1))), ("edges", Evidence(0.995, 0.0, 0.01, 0.003, 0.6))):

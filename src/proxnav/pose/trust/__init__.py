@@ -2,7 +2,8 @@
 
 from proxnav.pose.trust.evidence import Evidence
 from proxnav.pose.trust.local_correlation import Similarity, local_correlation
-from proxnav.pose.trust.verdict import CheckedBy, TrustCalibration, TrustConfig, judged, verdict_of, widened
+from proxnav.pose.trust.saturation import saturated_share
+from proxnav.pose.trust.verdict import CheckedBy, TrustCalibration, TrustConfig, judged, verdict_of
 
 __all__ = [
     "CheckedBy",
@@ -12,6 +13,6 @@ __all__ = [
     "TrustConfig",
     "judged",
     "local_correlation",
+    "saturated_share",
     "verdict_of",
-    "widened",
 ]

@@ -30,6 +30,8 @@ class Doubts(NamedTuple):
     """Decades of the keypoints' p-value, in steps of 4."""
     view: float
     """Dissimilarity of picture and predicted view, in steps of 0.15; 0 where none could be compared."""
+    saturated: float
+    """Share of the craft's pixels at the end of the picture's scale, in steps of 0.3."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,15 +50,19 @@ class Evidence:
     """p-value of the residuals of all keypoints."""
     view: Similarity | None = None
     """Likeness to the view that is predicted under the Sun that was told; None where none was."""
+    saturated: float = 0.0
+    """Share of the pixels inside the craft's hull at the end of the picture's scale."""
 
     @staticmethod
-    def of(scores: float, p_value: float, keypoint_pose: Pose, aligned: Pose | None, edge_share: float) -> "Evidence":
+    def of(
+        scores: float, p_value: float, keypoint_pose: Pose, aligned: Pose | None, edge_share: float, saturated: float
+    ) -> "Evidence":
         """From the lower quartile of the scores, the keypoints' pose and the aligned one."""
         if aligned is None:
-            return Evidence(scores, 0.0, 0.0, 0.0, p_value)
+            return Evidence(scores, 0.0, 0.0, 0.0, p_value, saturated=saturated)
         d = difference(keypoint_pose, aligned)
         distance = float(np.linalg.norm(d[TRANSLATION]) / np.linalg.norm(aligned.t_m))
-        return Evidence(scores, edge_share, float(np.linalg.norm(d[ROTATION])), distance, p_value)
+        return Evidence(scores, edge_share, float(np.linalg.norm(d[ROTATION])), distance, p_value, saturated=saturated)
 
     def seen(self, view: Similarity | None) -> "Evidence":
         """The same with a predicted view that was compared."""
@@ -71,9 +77,10 @@ class Evidence:
             float(np.log(self.shift_share + _SHIFT_FLOOR)),
             -float(np.log10(max(self.p_value, _LEAST_P))) / 4.0,
             0.0 if self.view is None else (1.0 - self.view.score) / 0.15,
+            self.saturated / 0.3,
         )
 
 
-def doubt_rows(evidence: "list[Evidence]") -> Float[np.ndarray, "n doubts=6"]:
+def doubt_rows(evidence: "list[Evidence]") -> Float[np.ndarray, "n doubts=7"]:
     """The doubts of many poses, one row each."""
     return np.array([one.doubts() for one in evidence], dtype=np.float64).reshape(-1, len(Doubts._fields))

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from proxnav.geometry.types import Flags
 from proxnav.pose.trust.evidence import Doubts, Evidence
 
-_EXPECTED = np.array([0.7, 0.7, 0.3, 0.1, 0.2, 3.0])
+_EXPECTED = np.array([0.7, 0.7, 0.3, 0.1, 0.2, 3.0, 0.2])
 """Weights before any frame is drawn, in the order of `Doubts`: what 630 ray-cast poses of release 0.1 had said."""
 _UNCERTAIN = 1.0
 """Standard deviation of each weight about that."""
@@ -29,13 +29,14 @@ class HazardModel:
     shift: float
     residuals: float
     view: float
+    saturated: float
     limit: float
     """Probability above which a pose is refused."""
     expected_risk: float
     """Share of hazardous poses among the accepted ones that is expected at that limit."""
 
     @property
-    def weights(self) -> Float[np.ndarray, "doubts=6"]:
+    def weights(self) -> Float[np.ndarray, "doubts=7"]:
         """The weights in the order of `Doubts`."""
         return np.array([getattr(self, name) for name in Doubts._fields])
 
@@ -43,7 +44,7 @@ class HazardModel:
         """Probability that a pose with this evidence is hazardous."""
         return float(self.probabilities(np.array([evidence.doubts()]))[0])
 
-    def probabilities(self, doubts: Float[np.ndarray, "n doubts=6"]) -> Float[np.ndarray, "n"]:
+    def probabilities(self, doubts: Float[np.ndarray, "n doubts=7"]) -> Float[np.ndarray, "n"]:
         """Probabilities of many poses."""
         odds = np.clip(self.constant + doubts @ self.weights, -30.0, 30.0)
         return np.clip(1.0 / (1.0 + np.exp(-odds)), CERTAIN, 1.0 - CERTAIN)
@@ -54,12 +55,12 @@ class HazardModel:
         return Doubts._fields[int(np.argmax(beyond))]
 
 
-def usual_doubts(doubts: Float[np.ndarray, "n doubts=6"]) -> Doubts:
+def usual_doubts(doubts: Float[np.ndarray, "n doubts=7"]) -> Doubts:
     """Medians of the doubts of good poses."""
     return Doubts(*(round(float(value), 3) for value in np.median(doubts, axis=0)))
 
 
-def fitted_hazard(doubts: Float[np.ndarray, "n doubts=6"], hazardous: Flags, risk: float) -> HazardModel:
+def fitted_hazard(doubts: Float[np.ndarray, "n doubts=7"], hazardous: Flags, risk: float) -> HazardModel:
     """The likeliest model given poses and what was expected.
 
     Its limit keeps the expected share of hazard at `risk`, but gives up no more good poses than `KEPT` allows: few

@@ -10,31 +10,25 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from proxnav.geometry.mahalanobis import squared_mahalanobis
 from proxnav.geometry.types import PoseCovariance
 
 KINDS = ("lateral", "depth", "turn")
 """Kinds of axes: across the line of sight, along it, rotation; their indices in (dt, dr) are `AXES`."""
 AXES = ((0, 1), (2,), (3, 4, 5))
 _TAIL = 0.9
-_COUNTED = 0.98
-"""Quantile of squared errors as which larger ones count: they are confusions, which no covariance should cover."""
 _LEAST_CLASS = 30
 """Poses that a class of doubt needs to have factors of its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProtectionFactors:
-    """Factors on the standard deviations of a pose, by its probability of being hazardous."""
+    """Factors on the standard deviations of a pose, those of its widened covariance, by its probability of hazard."""
 
     risk: float
     edges: tuple[float, ...]
     """Probabilities of hazard at which the next class begins; one fewer than there are classes."""
     factors: tuple[tuple[float, float, float], ...]
     """For each class: lateral, depth, turn."""
-    widenings: tuple[float, ...]
-    """For each class, factor of at least 1 on the covariance that makes the mean squared normalised error that of 6
-    normals; the factors above are on the deviations before it."""
 
     def levels(self, covariance: PoseCovariance, hazard: float) -> Float[np.ndarray, "6"]:
         """Protection levels of (dt [m], dr [rad]) in the camera frame."""
@@ -43,10 +37,6 @@ class ProtectionFactors:
         for axes, factor in zip(AXES, own, strict=True):
             out[list(axes)] *= factor
         return out
-
-    def widened(self, covariance: PoseCovariance, hazard: float) -> PoseCovariance:
-        """The covariance as honest as poses of this doubt are."""
-        return covariance * self.widenings[self._class(hazard)]
 
     def _class(self, hazard: float) -> int:
         return int(np.searchsorted(self.edges, hazard, side="right"))
@@ -60,18 +50,15 @@ def calibrated_protection(
     classes: int = 4,
 ) -> ProtectionFactors:
     """Factors that the errors of drawn frames ask for, in classes of equally many poses."""
-    nees = squared_mahalanobis(errors, covariances)
     ratios = np.abs(errors) / np.sqrt(np.einsum("nii->ni", covariances))
     count = int(np.clip(len(ratios) // _LEAST_CLASS, 1, classes))
     edges = tuple(round(float(q), 7) for q in np.quantile(hazards, np.arange(1, count) / count))
     own = np.searchsorted(edges, hazards, side="right")
-    squared = np.minimum(nees, np.quantile(nees, _COUNTED))
-    factors, widenings, least = [], [1.0], np.ones(3)
+    factors, least = [], np.ones(3)
     for k in range(count):
         least = np.maximum(least, [_factor(ratios[own == k][:, list(axes)].max(axis=1), risk) for axes in AXES])
         factors.append(tuple(round(float(value), 3) for value in least))  # more doubt never protects less
-        widenings.append(max(widenings[-1], round(float(squared[own == k].mean()) / 6.0, 3)))
-    return ProtectionFactors(risk, edges, tuple(factors), tuple(widenings[1:]))
+    return ProtectionFactors(risk, edges, tuple(factors))
 
 
 def _factor(ratios: Float[np.ndarray, "n"], risk: float) -> float:

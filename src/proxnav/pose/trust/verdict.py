@@ -10,28 +10,36 @@ from proxnav.pose.trust.evidence import Doubts, Evidence
 from proxnav.pose.trust.hazard import HazardModel
 from proxnav.pose.trust.local_correlation import Similarity
 from proxnav.pose.trust.protection import ProtectionFactors
+from proxnav.pose.trust.widening import Widening
 from proxnav.records.estimates import PoseStatus, Trust, Verdict
 
 _WHY: dict[str, PoseStatus] = {
     "scores": "other_craft", "edges": "other_craft", "turn": "ambiguous", "shift": "ambiguous",
-    "residuals": "ambiguous", "view": "unlike_render",
+    "residuals": "ambiguous", "view": "unlike_render", "saturated": "unlike_render",
 }  # fmt: skip
 RANGE_SLACK = 1.6
 """Factor on the mission's ranges beyond which a pose is none of that mission: keypoints far beyond err in range."""
 
 
 @dataclass(frozen=True, slots=True)
+class TrustModel:
+    """From evidence to a probability of hazard, an honest covariance and protection levels."""
+
+    hazard: HazardModel
+    widening: Widening
+    protection: ProtectionFactors
+
+
+@dataclass(frozen=True, slots=True)
 class TrustCalibration:
     """What drawn frames taught; `model.json` carries it."""
 
-    told: HazardModel
+    told: TrustModel
     """Where the Sun is told and the predicted view can be compared."""
-    untold: HazardModel
+    untold: TrustModel
     """Where it cannot."""
     usual: Doubts
     """Those of good poses."""
-    protection_told: ProtectionFactors
-    protection_untold: ProtectionFactors
     frames: int = 0
     """Poses that it rests on."""
 
@@ -52,38 +60,26 @@ class TrustConfig:
     """None: only the predicted view counts, by `least_similarity`."""
 
 
-def widened(covariance: PoseCovariance, trust: Trust, config: TrustConfig) -> PoseCovariance:
-    """The covariance of a pose made as honest as poses of this doubt are; as it is without a calibration."""
-    known = config.calibration
-    if known is None or not np.isfinite(trust.hazard):
-        return covariance
-    factors = known.protection_untold if trust.verdict == "not_verifiable" else known.protection_told
-    return factors.widened(covariance, trust.hazard)
-
-
-def judged(evidence: Evidence, range_m: float, covariance: PoseCovariance, config: TrustConfig) -> tuple[
-    PoseStatus, Trust
-]:  # fmt: skip
-    """The status of a pose with this evidence, and what can be said about it."""
+def judged(
+    evidence: Evidence, range_m: float, covariance: PoseCovariance, config: TrustConfig
+) -> tuple[PoseStatus, Trust, PoseCovariance]:
+    """The status of a pose with this evidence, what can be said about it, and its covariance as honest as it can be."""
     verdict = verdict_of(evidence.view, config)
     similarity = float("nan") if evidence.view is None else evidence.view.score
     trust = Trust(verdict, similarity, p_value=evidence.p_value)
     if config.range_m is not None and not _is_inside(range_m, config.range_m):
-        return "outside_mission", trust
+        return "outside_mission", trust, covariance
     known = config.calibration
     if known is None:
-        return ("unlike_render" if verdict == "contradicted" else "ok"), trust
+        return ("unlike_render" if verdict == "contradicted" else "ok"), trust, covariance
     compared = verdict != "not_verifiable"
     evidence = evidence if compared else evidence.seen(None)
-    model, factors = (known.told, known.protection_told) if compared else (known.untold, known.protection_untold)
-    hazard = model.probability(evidence)
-    levels = factors.levels(covariance, hazard)
-    trust = replace(
-        trust, hazard=hazard, risk=factors.risk, protection_m=_three(levels[:3]), protection_rad=_three(levels[3:])
-    )
-    if hazard <= model.limit:
-        return "ok", trust
-    return _WHY[model.strongest(evidence, known.usual)], trust
+    model = known.told if compared else known.untold
+    hazard, honest = model.hazard.probability(evidence), model.widening.widened(covariance, evidence)
+    levels, risk = model.protection.levels(honest, hazard), model.protection.risk
+    trust = replace(trust, hazard=hazard, risk=risk, protection_m=_three(levels[:3]), protection_rad=_three(levels[3:]))
+    status = "ok" if hazard <= model.hazard.limit else _WHY[model.hazard.strongest(evidence, known.usual)]
+    return status, trust, honest
 
 
 def verdict_of(view: Similarity | None, config: TrustConfig) -> Verdict:
