@@ -33,13 +33,14 @@ def run(config: LiveConfig) -> None:
     from proxnav.cli.progress import say_when_compiling
     from proxnav.live.stream.answers import Tally
     from proxnav.live.stream.assemble import assembled
+    from proxnav.storage.interrupt import stop_requested
 
     camera = None if config.camera is None else config.camera_from(config.camera)
     say_when_compiling("pose")
     tally = Tally()
     with assembled(config.source, camera, config, config.out, config.view_port) as (loop, source):
-        try:
-            loop.run(source, tally)
-        except KeyboardInterrupt:
+        with stop_requested() as is_stopped:  # a raised interrupt would be lost in callbacks of compilers
+            loop.run(source, tally, is_stopped)
+        if is_stopped():
             print("proxnav live: interrupted", file=sys.stderr)
     print(tally.text(), file=sys.stderr if config.out is None else sys.stdout)

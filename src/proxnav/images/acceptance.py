@@ -8,8 +8,6 @@ import numpy as np
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.types import Image
-from proxnav.images.codecs import read_image
-from proxnav.images.size import check_size
 
 _HINT = "(height, width) or (height, width, 3), uint8 or uint16"
 
@@ -37,6 +35,9 @@ def as_image(given: Any, camera: Camera) -> Image:
     Taken are also paths, PIL images, torch tensors, channels first, and floats in [0, 1]; batches, floats of another
     range, signed and complex numbers are refused.
     """
+    from proxnav.images.codecs import read_image  # brings cv2, which a solver of keypoints does without
+    from proxnav.images.size import check_size
+
     is_path = isinstance(given, str | Path)
     image = read_image(Path(given)) if is_path else _counts(_channels_last(_array(given), camera))
     check_size(image, camera)

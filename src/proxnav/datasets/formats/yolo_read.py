@@ -61,7 +61,7 @@ def _content(path: Path) -> Any:
     if not is_yolo_pose(path):
         raise InputError(f"{path}: no YOLO-pose set, it has no kpt_shape; boxes alone are not enough")
     try:
-        return yaml.safe_load(path.read_bytes())
+        return yaml.SafeLoader(path.read_bytes()).get_single_data()
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         raise InputError(f"{path}: not readable as YAML ({str(error).splitlines()[0]})") from None
 

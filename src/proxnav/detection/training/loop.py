@@ -20,13 +20,13 @@ from proxnav.detection.training.config import SEED, LoopConfig
 from proxnav.detection.training.curve import append_row, cut_after
 from proxnav.detection.training.feed import ahead, batches
 from proxnav.detection.training.files import load_checkpoint, save_checkpoint, save_weights
-from proxnav.detection.training.interrupt import stop_requested
 from proxnav.detection.training.learner import Learner, TrainingResult, Validate
 from proxnav.detection.training.progress import Meter, Show, progress_bar
 from proxnav.detection.training.random_state import random_state, restore_random_state
 from proxnav.detection.training.ranks import any_rank, is_first_rank, launched, mean_over_ranks, reseed
 from proxnav.detection.training.step import take_step
 from proxnav.errors import InputError
+from proxnav.storage.interrupt import stop_requested
 from proxnav.storage.lock import only_run_in
 
 _log = logging.getLogger(__name__)

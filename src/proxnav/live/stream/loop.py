@@ -44,14 +44,14 @@ class Loop:
     waiting: int = 2
     """Images that may wait."""
 
-    def run(self, source: Source, tally: Tally) -> None:
-        """Answers until the source ends, counting into `tally`. An interrupt ends it as well and is passed on."""
+    def run(self, source: Source, tally: Tally, is_stopped: Callable[[], bool] = lambda: False) -> None:
+        """Answers until the source ends or `is_stopped`, counting into `tally`; the answer in hand is finished."""
         stop, queue, failed = threading.Event(), NewestQueue[Heard](self.waiting), list[BaseException]()
         hearing = threading.Thread(target=self._hear, args=(source, queue, stop, failed), daemon=True)
         hearing.start()
         newest = -float("inf")
         try:
-            while (heard := queue.take()) is not None:
+            while (heard := queue.take(is_stopped)) is not None:
                 tally.refused["dropped"] = queue.dropped
                 newest = self._answer(heard, newest, tally)
         finally:

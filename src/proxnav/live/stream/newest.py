@@ -1,6 +1,7 @@
 """A queue that never grows: when it is full the oldest waits no longer, and is counted."""
 
 from collections import deque
+from collections.abc import Callable
 from threading import Condition, Event
 from typing import Generic, TypeVar
 
@@ -43,11 +44,11 @@ class NewestQueue(Generic[Item]):
             self._is_closed = True
             self._changed.notify_all()
 
-    def take(self) -> Item | None:
-        """The oldest item that is still there, waiting for one; None when the queue is closed and empty."""
+    def take(self, is_stopped: Callable[[], bool] = lambda: False) -> Item | None:
+        """The oldest item that is still there, waiting for one; None when the queue is closed and empty, or stopped."""
         with self._changed:
-            while not self._items and not self._is_closed:
-                self._changed.wait(_LOOK_S)  # short, so that Ctrl-C is heard
-            item = self._items.popleft() if self._items else None
+            while not self._items and not self._is_closed and not is_stopped():
+                self._changed.wait(_LOOK_S)
+            item = self._items.popleft() if self._items and not is_stopped() else None
             self._changed.notify_all()
             return item
