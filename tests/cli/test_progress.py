@@ -25,11 +25,11 @@ def test_plain_progress_ends_with_a_line(total: int, capsys) -> None:
     assert f"job: {total}/{total}" in capsys.readouterr().err
 
 
-def test_the_time_left_leaves_out_the_first_item_which_may_have_compiled(monkeypatch, capsys) -> None:
-    clock = iter([0.0, 60.0, 61.0, 100.0, 104.0])
+def test_the_time_left_follows_from_the_items_since_the_last_line_as_first_ones_may_have_compiled(monkeypatch, capsys):
+    clock = iter([0.0, 5.0, 70.0, 71.0, 110.0, 114.0])
     monkeypatch.setattr("time.monotonic", lambda: next(clock))
-    with progress.progress("job", 4) as done:
-        for _ in range(4):
+    with progress.progress("job", 5) as done:
+        for _ in range(5):
             done()
     lines = capsys.readouterr().err.splitlines()
-    assert lines == ["job: 1/4, the first took 60 s", "job: 3/4, 0.05/s, 20 s left", "job: 4/4, in 104 s"]
+    assert lines == ["job: 2/5, after 70 s", "job: 4/5, 0.05/s, 20 s left", "job: 5/5, in 114 s"]

@@ -41,26 +41,25 @@ def _bar() -> Progress:
 def _plain(job: str, total: int) -> Callable[[], None]:
     """Lines on stderr, at most one every half minute and one at the end.
 
-    The time left follows from the items after the first, which may have compiled kernels or started a renderer.
+    The time left follows from the items since the last line: first ones compile kernels or start a renderer.
     """
-    start = first = said = time.monotonic()
-    done = 0
+    start = said = time.monotonic()
+    done = told = 0
 
     def advance() -> None:
-        nonlocal first, said, done
+        nonlocal said, told, done
         done += 1
         now = time.monotonic()
-        first = now if done == 1 else first
         if done < total and now - said < _PLAIN_EVERY_S:
             return
-        said = now
         if done == total:
             text = f"in {now - start:.0f} s"
-        elif done == 1:
-            text = f"the first took {now - start:.0f} s"
+        elif told == 0:
+            text = f"the first took {now - start:.0f} s" if done == 1 else f"after {now - start:.0f} s"
         else:
-            each = max(now - first, 1e-9) / (done - 1)
+            each = max(now - said, 1e-9) / (done - told)
             text = f"{1.0 / each:.2f}/s, {(total - done) * each:.0f} s left"
+        said, told = now, done
         print(f"{job}: {done}/{total}, {text}", file=sys.stderr)
 
     return advance
