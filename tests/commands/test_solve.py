@@ -174,3 +174,16 @@ def test_files_that_hold_no_points_are_one_sentence(work: Path, content: str, ca
     error = capsys.readouterr().err
     assert "points.json" in error
     assert len(error.splitlines()) == 1
+
+
+def test_keypoints_that_give_no_pose_anywhere_end_with_a_status_of_their_own(work: Path, capsys):
+    exchanged = [result(k) for k in range(3)]
+    for one in exchanged:
+        xys = np.array(one["keypoints"]).reshape(-1, 3)
+        one["keypoints"] = xys[:, [1, 0, 2]].ravel().tolist()
+    (work / "keypoints.json").write_text(json.dumps(exchanged))
+    assert solve() == 3
+    assert "0 poses from 3 images" in capsys.readouterr().out
+    assert "ok" not in {one["status"] for one in json.loads((work / "poses.json").read_text())}
+    (work / "keypoints.json").write_text(json.dumps([*exchanged, result(3)]))
+    assert solve() == 0

@@ -31,10 +31,11 @@ class SolveConfig(CalibrationOptions):
     pose: PoseConfig = field(default_factory=PoseConfig)
 
 
-def run(config: SolveConfig) -> None:
-    """Reads, solves, writes, and says how many images gave no pose."""
+def run(config: SolveConfig) -> int:
+    """Reads, solves, writes, and says how many images gave no pose; the exit status is 3 where none did."""
     from proxnav.cli.progress import progress
     from proxnav.datasets.formats.pose_tables import check_pose_file, write_pose_file
+    from proxnav.errors import SUSPECT
     from proxnav.pose.solve.images import check_counts, solve_images
     from proxnav.pose.solve.keypoint_files import read_keypoints
     from proxnav.records.estimates import REASONS
@@ -50,6 +51,8 @@ def run(config: SolveConfig) -> None:
         records = solve_images(keypoints, points_m, camera, config.pose, done)
     write_pose_file(config.out, records)
     statuses = Counter(record.status for record in records)
-    print(f"{statuses.pop('ok', 0)} poses from {len(records)} images in {config.out}")
+    poses = statuses.pop("ok", 0)
+    print(f"{poses} poses from {len(records)} images in {config.out}")
     for status, count in statuses.most_common():
         print(f"  {count} {status}: {REASONS.get(status, 'no pose')}")
+    return 0 if poses or not records else SUSPECT

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from proxnav.errors import InputError
 from proxnav.geometry.types import Points
 from proxnav.targets.keypoints.point_files import load_points
@@ -9,6 +11,8 @@ from proxnav.targets.loading import load_target
 from proxnav.targets.target import Target
 
 _POINT_FILES = {".mat", ".csv"}
+_LARGEST_M = 150.0
+"""Span of points that no spacecraft has; the International Space Station has 109 m."""
 
 
 def target_points(name_or_path: str, subset: str = "") -> Points:
@@ -17,7 +21,7 @@ def target_points(name_or_path: str, subset: str = "") -> Points:
     if suffix in _POINT_FILES and subset:
         raise InputError(f"{name_or_path}: a file of points has no subset '{subset}'; leave --subset out")
     if suffix in _POINT_FILES or (suffix == ".json" and not subset):
-        return load_points(name_or_path)[0]
+        return _spacecraft_sized(Path(name_or_path))[0]
     target = load_target(name_or_path)
     return (target.with_subset(subset) if subset else target).keypoints_m
 
@@ -26,6 +30,18 @@ def target_or_points(name_or_path: str) -> tuple[Target | None, Points, tuple[st
     """(the target, unless the file holds points alone; its points [m]; their names)."""
     path = Path(name_or_path)
     if path.suffix.lower() in (*_POINT_FILES, ".json") and not path.with_name("mesh.npz").is_file():
-        return None, *load_points(path)
+        return None, *_spacecraft_sized(path)
     target = load_target(name_or_path)
     return target, target.keypoints_m, target.keypoint_names
+
+
+def _spacecraft_sized(path: Path) -> tuple[Points, tuple[str, ...]]:
+    """The points of a file and their names; InputError where they span more than any spacecraft."""
+    points, names = load_points(path)
+    span = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if span > _LARGEST_M:
+        raise InputError(
+            f"{path}: the points span {span:.4g} m, more than any spacecraft: are they in mm? Give metres, or name the "
+            "columns of a csv x_mm, y_mm, z_mm"
+        )
+    return points, names

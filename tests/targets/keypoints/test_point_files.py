@@ -8,6 +8,7 @@ import pytest
 
 from proxnav.errors import InputError
 from proxnav.targets.keypoints.point_files import load_points
+from proxnav.targets.named_points import target_points
 
 
 def test_tango_points_come_from_the_published_mat(shared_data: Path):
@@ -48,3 +49,31 @@ def test_bad_point_files_are_refused_in_one_sentence(tmp_path: Path, name: str, 
     (tmp_path / name).write_text(text)
     with pytest.raises(InputError, match=says):
         load_points(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("header", "unit_m"),
+    [("x,y,z", 1.0), ("pos_x,pos_y,pos_z", 1.0), ("name,x_mm,y_mm,z_mm", 1e-3), ("name,x [cm],y [cm],z [cm]", 1e-2)],
+)
+def test_columns_are_read_in_the_unit_that_they_name(tmp_path, header, unit_m):
+    numbers = [(10.0, 0.0, 0.0), (0.0, 20.0, 0.0), (0.0, 0.0, 30.0), (10.0, 20.0, 30.0)]
+    named = header.startswith("name")
+    rows = [",".join([*([f"k{k}"] if named else []), *map(str, row)]) for k, row in enumerate(numbers)]
+    path = tmp_path / "points.csv"
+    path.write_text("\n".join([header, *rows]))
+    np.testing.assert_allclose(load_points(path)[0], unit_m * np.array(numbers))
+
+
+@pytest.mark.parametrize("header", ["x_km,y_km,z_km", "x_mm,y_mm,z_cm"])
+def test_columns_in_another_unit_or_in_several_are_refused(tmp_path, header):
+    path = tmp_path / "points.csv"
+    path.write_text("\n".join([header, *["1,0,0", "0,1,0", "0,0,1", "1,1,1"]]))
+    with pytest.raises(InputError, match="give all in m, mm, cm, in or ft"):
+        load_points(path)
+
+
+def test_points_larger_than_any_spacecraft_are_asked_for_their_unit(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("\n".join(["x,y,z", *["4020,0,120", "-3325,-5600,-400", "0,5600,0", "1,1,2000"]]))
+    with pytest.raises(InputError, match="are they in mm"):
+        target_points(str(path))

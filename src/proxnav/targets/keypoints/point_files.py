@@ -1,6 +1,7 @@
 """Keypoints from a file: MATLAB, JSON or csv."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from proxnav.storage.tables import is_number, read_rows
 MAX_BYTES = 16 * 2**20
 MAX_POINTS = 10_000
 _MAT_NAMES = ("tango3Dpoints", "corners", "keypoints_m", "points", "landmarks")
+_UNITS_M = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+_OTHER_UNITS = ("km", "um", "dm", "yd", "px")
 _JSON_NAMES = ("keypoints_m", "points_m", "keypoints", "points", "landmarks")
 
 Loaded = tuple[Float[np.ndarray, "n 3"], tuple[str, ...]]
@@ -23,7 +26,7 @@ def load_points(path: Path | str) -> Loaded:
     """Points [m] in the target frame and their names (p00, p01, ... where the file has none).
 
     Reads .mat (tango3Dpoints, 3 x n), .json (a target.json, a list of triples, or name -> triple) and .csv
-    (x,y,z or name,x,y,z, header optional).
+    (x,y,z or name,x,y,z, header optional; x_mm, y_mm, z_mm and the like are read in their unit).
     """
     path = Path(path)
     readers = {".mat": _from_mat, ".json": _from_json, ".csv": _from_csv}
@@ -80,14 +83,26 @@ def _from_json(path: Path) -> tuple[Float[np.ndarray, "..."], list[str] | None]:
 
 
 def _from_csv(path: Path) -> tuple[Float[np.ndarray, "..."], list[str] | None]:
-    rows = read_rows(path, MAX_BYTES)
+    rows, unit_m = read_rows(path, MAX_BYTES), 1.0
     if not is_number(rows[0][-1]):
-        rows = rows[1:]
+        unit_m, rows = _unit(path, rows[0]), rows[1:]
     width = {len(row) for row in rows}
     if width not in ({3}, {4}):
         raise InputError(f"{path}: expected rows x,y,z or name,x,y,z, found rows of {sorted(width) or 'nothing'} cells")
     named = width == {4}
-    return _array(path, [row[-3:] for row in rows]), [row[0] for row in rows] if named else None
+    points = unit_m * _array(path, [row[-3:] for row in rows])
+    return points, [row[0] for row in rows] if named else None
+
+
+def _unit(path: Path, header: list[str]) -> float:
+    """Metres of the unit that the last three columns name, as in x_mm or z [mm]; 1 where they name none."""
+    words = [re.split(r"[^a-z]+", cell.strip().lower().rstrip("])"))[-1] for cell in header[-3:]]
+    named = {word for word in words if word in _UNITS_M or word in _OTHER_UNITS}
+    if not named:
+        return 1.0
+    if len(named) > 1 or not named <= set(_UNITS_M):
+        raise InputError(f"{path}: the columns are in {', '.join(sorted(named))}; give all in m, mm, cm, in or ft")
+    return _UNITS_M[named.pop()]
 
 
 def _array(path: Path, content: Any) -> Float[np.ndarray, "..."]:
