@@ -30,6 +30,8 @@ _WIDEST_RAD = np.deg2rad(24.0)
 """Reach of the widest search."""
 _LOOK_ROUND = 10
 """Frames after which the neighbourhood is searched even where nothing speaks against the pose."""
+_FIRST = 4
+"""Frames at the beginning of a track whose neighbourhood is searched: a first pose may lie in the wrong valley."""
 _MEMORY = 0.1
 """Weight of a frame in the usual share of the outline on edges."""
 
@@ -64,6 +66,7 @@ class Tracker:
         """Frames since a pose was found."""
         self._usual: float | None = None
         self._unsearched = 0
+        self._found_in = 0
 
     @staticmethod
     def from_pose(target: Target, T_cam_target: Pose, t: float, start: Start | None = None) -> "Tracker":
@@ -85,6 +88,7 @@ class Tracker:
     def restart(self, T_cam_target: Pose, covariance: PoseCovariance, t: float) -> None:
         """Begins anew with a pose that somebody else found, a network for one."""
         self.motion, self.misses, self._usual, self._unsearched = Motion.begun(t, T_cam_target, covariance), 0, None, 0
+        self._found_in = 0
 
     def _found(self, grey: GreyImage, camera: Camera, predicted: Motion) -> tuple[Laid | None, PoseStatus]:
         """The pose near the prediction, or the best of a search round it."""
@@ -92,7 +96,7 @@ class Tracker:
         near = laid(grey, camera, self._target, prior) if predicted.turn_sigma_rad <= _CLOSE_RAD else None
         sound = near is not None and self._is_sound(near, predicted)
         self._unsearched += 1
-        if sound and self._usual is not None and self._unsearched < _LOOK_ROUND:
+        if sound and self._found_in >= _FIRST and self._unsearched < _LOOK_ROUND:
             return near, "ok"
         self._unsearched = 0
         reach = float(np.clip(2.0 * predicted.turn_sigma_rad, STEP_RAD, _WIDEST_RAD))
@@ -120,6 +124,7 @@ class Tracker:
         """The motion and the usual share after a pose was found."""
         self.motion = predicted.corrected(found.T_cam_target, covariance)
         self.misses = 0
+        self._found_in += 1
         share = found.edge_share
         self._usual = share if self._usual is None else self._usual + _MEMORY * (share - self._usual)
 
