@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -40,6 +41,14 @@ class Checked:
     similarity: Similarity
 
 
+class _Views(NamedTuple):
+    """The predicted and the seen view in one square, and how alike they are."""
+
+    predicted: PredictedView
+    seen: View
+    similarity: Similarity
+
+
 @dataclass(frozen=True)
 class Verifier:
     """Compares pictures with predicted views of one target."""
@@ -48,7 +57,8 @@ class Verifier:
 
     def similarity(self, grey: GreyImage, camera: Camera, T_cam_target: Pose, sky: Sky) -> Similarity | None:
         """Local correlation of the picture with the view that the pose predicts; None where it shows no target."""
-        return self._compared(grey, camera, T_cam_target, sky, SIDE_PX)[1]
+        found = self._compared(grey, camera, T_cam_target, sky, SIDE_PX)
+        return None if found is None else found.similarity
 
     def checked(
         self, grey: GreyImage, camera: Camera, T_cam_target: Pose, covariance: PoseCovariance, sky: Sky
@@ -59,23 +69,21 @@ class Verifier:
         """
         pose, similarity, information = T_cam_target, None, np.linalg.inv(covariance)
         for side, window in STEPS:
-            views, similarity = self._compared(grey, camera, pose, sky, side)
-            if views is None or similarity is None:
+            found = self._compared(grey, camera, pose, sky, side)
+            if found is None:
                 return None
-            equations = photometric_equations(*views, window)
+            similarity, equations = found.similarity, photometric_equations(found.predicted, found.seen, window)
             if equations is None:
                 break
             pose = equations.step(pose, T_cam_target, information)
             covariance = equations.covariance(information)
         return None if similarity is None else Checked(pose, covariance, similarity)
 
-    def _compared(
-        self, grey: GreyImage, camera: Camera, T_cam_target: Pose, sky: Sky, most: int
-    ) -> tuple[tuple[PredictedView, View] | None, Similarity | None]:
-        """The predicted and the seen view in a square of at most so many pixels, and how alike they are."""
+    def _compared(self, grey: GreyImage, camera: Camera, T_cam_target: Pose, sky: Sky, most: int) -> "_Views | None":
+        """Both views in a square of at most so many pixels; None where no target is predicted in the picture."""
         box = target_box(self.renderer.target, T_cam_target, camera)
         if box is None:
-            return None, None
+            return None
         crop = Crop.around(box, _MARGIN)
         side = max(SIDE_PX, min(most, crop.size))
         small = camera.cropped(crop.x, crop.y, crop.size, crop.size).resized(side, side)
@@ -85,7 +93,8 @@ class Verifier:
         inside = cut(np.full(grey.shape, 255, np.uint8), crop, side) > 127
         light, mask = frame.radiance.mean(axis=2).astype(np.float64), (frame.coverage > 0.5) & inside
         view = PredictedView(T_cam_target, small, light, frame.depth_m, mask & np.isfinite(frame.depth_m))
-        return (view, seen), local_correlation(_shrunk(light), _shrunk(seen), _shrunk(mask.astype(np.float64)) > 0.5)
+        alike = local_correlation(_shrunk(light), _shrunk(seen), _shrunk(mask.astype(np.float64)) > 0.5)
+        return None if alike is None else _Views(view, seen, alike)
 
 
 def _shrunk(view: View) -> View:

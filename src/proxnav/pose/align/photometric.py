@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.perturbation import difference, moved
+from proxnav.geometry.pose_jacobian import pose_jacobian
 from proxnav.geometry.types import PoseCovariance
 from proxnav.pose.local_contrast import SATURATED, Inside, View, standardised, tones
 
@@ -86,5 +87,5 @@ def _flow(view: PredictedView, predicted: View) -> Float[np.ndarray, "n 6"]:
     rows, columns = np.nonzero(view.mask)
     rays = view.camera.unproject(np.stack([columns, rows], axis=1) + 0.5)
     X = rays / rays[:, 2:] * view.depth_m[view.mask][:, None]
-    slope = np.einsum("ni,nij->nj", np.stack(gradient, axis=1), view.camera.projection_jacobian(X))
-    return -np.concatenate([slope, np.cross(X - view.T_cam_target.t_m, slope)], axis=1)
+    moves = pose_jacobian(view.T_cam_target, view.T_cam_target.inverse() @ X, view.camera)
+    return -np.einsum("ni,nij->nj", np.stack(gradient, axis=1), moves)
