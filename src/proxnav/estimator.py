@@ -12,9 +12,7 @@ from proxnav.errors import InputError
 from proxnav.geometry import Camera
 from proxnav.geometry.boxes import box_in_image
 from proxnav.geometry.types import Box, GreyImage, Image, Points, Vector3
-from proxnav.images.acceptance import as_image, checked_camera
-from proxnav.images.line_offsets import without_line_offsets
-from proxnav.images.tones import grey_8_bit
+from proxnav.images.acceptance import as_grey, checked_camera
 from proxnav.models.loading import Detect, DetectIn, Model, load_model
 from proxnav.pose.align import CLEARLY, AlignConfig, Alignment, Prior, align
 from proxnav.pose.solve.config import PoseConfig
@@ -115,7 +113,7 @@ class PoseEstimator:
     ) -> tuple[Keypoints, PoseResult, Evidence | None]:
         """Keypoints and pose before any verdict, with the evidence; None without a pose or where nothing is checked."""
         camera = checked_camera(camera, image)
-        grey = _read(image, camera)
+        grey = as_grey(image, camera)
         keypoints, of_keypoints, found = self._better_look(grey, camera, *self._from_keypoints(grey, camera, box))
         if found is not None and found.edge_share < self.alignment.least_edge_share:
             return keypoints, PoseResult.failure("no_consensus", len(of_keypoints.inliers)), None
@@ -144,7 +142,7 @@ class PoseEstimator:
 
         shared = result.calibration_moves @ result.calibration_moves.T  # errors of the camera stay what they are
         verifier, own = verifier_of(self.shape), result.covariance - shared
-        found = verifier.checked(_read(image, camera), camera, result.T_cam_target, own, sky)
+        found = verifier.checked(as_grey(image, camera), camera, result.T_cam_target, own, sky)
         if found is None:
             return result, evidence
         if verdict_of(found.similarity, self.trust) != "not_verifiable":
@@ -153,7 +151,7 @@ class PoseEstimator:
 
     def alignment_of(self, image: Image, camera: Camera) -> Alignment | None:
         """How the pose of an image was laid onto it; None where there is no pose or it stayed that of the keypoints."""
-        grey = _read(image, camera)
+        grey = as_grey(image, camera)
         return self._better_look(grey, camera, *self._from_keypoints(grey, camera, None))[2]
 
     def solve(self, keypoints: Keypoints, camera: Camera) -> PoseResult:
@@ -208,10 +206,6 @@ class PoseEstimator:
             return None
         prior = Prior.of_result(result, 1.0 - keypoints.median_score)
         return align(grey, camera, self.shape, prior, self.alignment)
-
-
-def _read(image: Image, camera: Camera) -> GreyImage:
-    return without_line_offsets(grey_8_bit(as_image(image, camera)))
 
 
 def consensus_for(n_keypoints: int) -> PoseConfig:

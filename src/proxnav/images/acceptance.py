@@ -7,7 +7,7 @@ import numpy as np
 
 from proxnav.errors import InputError
 from proxnav.geometry import Camera
-from proxnav.geometry.types import Image
+from proxnav.geometry.types import GreyImage, Image
 
 _HINT = "(height, width) or (height, width, 3), uint8 or uint16"
 
@@ -42,6 +42,14 @@ def as_image(given: Any, camera: Camera) -> Image:
     image = read_image(Path(given)) if is_path else _counts(_channels_last(_array(given), camera))
     check_size(image, camera)
     return image
+
+
+def as_grey(given: Any, camera: Camera) -> GreyImage:
+    """The same as grey of 8 bits, offsets of its rows and columns taken out: what poses are read from."""
+    from proxnav.images.line_offsets import without_line_offsets
+    from proxnav.images.tones import grey_8_bit  # brings cv2
+
+    return without_line_offsets(grey_8_bit(as_image(given, camera)))
 
 
 def _array(given: Any) -> np.ndarray:

@@ -7,8 +7,7 @@ import numpy as np
 from proxnav.geometry import Camera, Pose
 from proxnav.geometry.perturbation import ROTATION, TRANSLATION, difference
 from proxnav.geometry.types import GreyImage, Image, PoseCovariance
-from proxnav.images.size import check_size
-from proxnav.images.tones import grey_8_bit
+from proxnav.images.acceptance import as_grey
 from proxnav.pose.align import AlignConfig, Prior
 from proxnav.pose.track.motion import Motion
 from proxnav.pose.track.search import STEP_RAD, Laid, laid, searched
@@ -75,8 +74,7 @@ class Tracker:
 
     def __call__(self, image: Image, camera: Camera, t: float) -> PoseResult:
         """The pose in an image (uint8 or uint16, grey or RGB) taken at `t` [s], or the reason why there is none."""
-        check_size(image, camera)
-        grey, predicted = grey_8_bit(image), self.motion.at(t)
+        grey, predicted = as_grey(image, camera), self.motion.at(t)
         found, status = self._found(grey, camera, predicted)
         if found is None or status != "ok":
             self.misses += 1
